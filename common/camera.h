@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The arpent authors
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// Camera models: the ideal pinhole of a rectified image, a raw camera with lens distortion, and the stereo pair of either.
-// Pixel coordinates have the centre of the top-left pixel at (0, 0).
+// Camera models: the ideal pinhole of a rectified image, a raw camera with lens distortion, and the stereo pair of
+// either. Pixel coordinates have the centre of the top-left pixel at (0, 0).
 #pragma once
 
 #include <Eigen/Core>
@@ -33,8 +33,8 @@ struct PinholeCamera {
   bool operator==(const PinholeCamera&) const = default;
 };
 
-/// A rectified stereo camera: both images share `camera`, and a point at depth z has u_left - u_right = baseline_m * fx / z
-/// (thesis App. A.2.2, eq. A.12 with d = u_left - u_right).
+/// A rectified stereo camera: both images share `camera`, and a point at depth z has u_left - u_right = baseline_m * fx
+/// / z (thesis App. A.2.2, eq. A.12 with d = u_left - u_right).
 struct RectifiedStereo {
   PinholeCamera camera;
   double baseline_m = 0;
@@ -43,7 +43,8 @@ struct RectifiedStereo {
 
 enum class DistortionModel { kNone, kRadialTangential, kEquidistant };
 
-/// A raw camera: pinhole with lens distortion. Coefficients: radial-tangential (k1, k2, p1, p2, k3), equidistant (k1..k4).
+/// A raw camera: pinhole with lens distortion. Coefficients: radial-tangential (k1, k2, p1, p2, k3), equidistant
+/// (k1..k4).
 struct RawCamera {
   PinholeCamera pinhole;
   DistortionModel distortion = DistortionModel::kNone;

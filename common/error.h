@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
 // The three kinds of error of the house. A programmer's mistake stops the program (ARPENT_ASSERT, in every build); bad
-// input at start throws InputError, which a `main` turns into one line and exit code 2; what may be absent at run time is
-// an optional or a result in the signature.
+// input at start throws InputError, which a `main` turns into one line and exit code 2; what may be absent at run time
+// is an optional or a result in the signature.
 #pragma once
 
 #include <cstdio>
@@ -23,10 +23,10 @@ class InputError : public std::runtime_error {
 }  // namespace arpent
 
 /// Aborts with file and line if `condition` is false; never compiled out.
-#define ARPENT_ASSERT(condition)                                                            \
-  do {                                                                                      \
-    if (!(condition)) {                                                                     \
+#define ARPENT_ASSERT(condition)                                                             \
+  do {                                                                                       \
+    if (!(condition)) {                                                                      \
       std::fprintf(stderr, "%s:%d: assertion failed: %s\n", __FILE__, __LINE__, #condition); \
-      std::abort();                                                                         \
-    }                                                                                       \
+      std::abort();                                                                          \
+    }                                                                                        \
   } while (false)

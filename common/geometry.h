@@ -19,7 +19,8 @@ using Matrix6d = Eigen::Matrix<double, 6, 6>;
 /// Logarithm of a rotation, angle in [0, pi].
 [[nodiscard]] Eigen::Vector3d so3_log(const Eigen::Matrix3d& R);
 
-/// Retraction used by every solver of the house: `T * [so3_exp(w), v]`, with delta = (v, w) in the *right* (inner) frame.
+/// Retraction used by every solver of the house: `T * [so3_exp(w), v]`, with delta = (v, w) in the *right* (inner)
+/// frame.
 [[nodiscard]] Pose retract(const Pose& T_a_b, const Vector6d& delta_b);
 /// Inverse of retract: `local(T, retract(T, d)) == d` for |rotation| < pi.
 [[nodiscard]] Vector6d local(const Pose& T_a_b, const Pose& T_a_c);

@@ -12,8 +12,8 @@
 
 namespace arpent {
 
-/// Vertices in metres in the frame the producer states. `normals` is empty or has one unit vector per vertex; `colors_rgb`
-/// is empty or has one colour per vertex.
+/// Vertices in metres in the frame the producer states. `normals` is empty or has one unit vector per vertex;
+/// `colors_rgb` is empty or has one colour per vertex.
 struct TriangleMesh {
   std::vector<Eigen::Vector3f> vertices_m;
   std::vector<Eigen::Vector3f> normals;

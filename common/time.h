@@ -22,9 +22,15 @@ struct MeasurementTimeBase {
 using Duration = MeasurementTimeBase::duration;
 using Time = MeasurementTimeBase::time_point;
 
-[[nodiscard]] constexpr Time from_utime(std::int64_t utime) { return Time(Duration(utime)); }
-[[nodiscard]] constexpr std::int64_t to_utime(Time time) { return time.time_since_epoch().count(); }
-[[nodiscard]] constexpr double to_seconds(Duration duration) { return static_cast<double>(duration.count()) * 1e-6; }
+[[nodiscard]] constexpr Time from_utime(std::int64_t utime) {
+  return Time(Duration(utime));
+}
+[[nodiscard]] constexpr std::int64_t to_utime(Time time) {
+  return time.time_since_epoch().count();
+}
+[[nodiscard]] constexpr double to_seconds(Duration duration) {
+  return static_cast<double>(duration.count()) * 1e-6;
+}
 /// Rounded to the nearest microsecond.
 [[nodiscard]] constexpr Duration from_seconds(double seconds) {
   return Duration(static_cast<std::int64_t>(seconds * 1e6 + (seconds < 0 ? -0.5 : 0.5)));

@@ -1,8 +1,9 @@
 // SPDX-FileCopyrightText: The arpent authors
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// The map: a truncated signed distance field in hashed blocks (thesis Sect. 1.3.3, 2.4.1). Depth images are fused with weight
-// 1/z^2; a voxel is known once its weight reaches `known_weight` (W_th), which planning asks about and meshing does not.
+// The map: a truncated signed distance field in hashed blocks (thesis Sect. 1.3.3, 2.4.1). Depth images are fused with
+// weight 1/z^2; a voxel is known once its weight reaches `known_weight` (W_th), which planning asks about and meshing
+// does not.
 #pragma once
 
 #include <cstddef>
@@ -26,10 +27,12 @@ struct TsdfParams {
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visitor) {
     visitor.field("voxel_m", self.voxel_m, "edge of a voxel (r_v)", config::between(0.005, 10.0));
-    visitor.field("known_weight", self.known_weight, "weight from which a voxel is known (W_th)", config::greater_than(0.0));
+    visitor.field("known_weight", self.known_weight, "weight from which a voxel is known (W_th)",
+                  config::greater_than(0.0));
     visitor.field("min_range_m", self.min_range_m, "nearest depth used", config::greater_than(0.0));
     visitor.field("max_range_m", self.max_range_m, "farthest depth used", config::between(0.1, 1000.0));
-    visitor.field("threads", self.threads, "threads of one integration; the map does not depend on it", config::between(1, 16));
+    visitor.field("threads", self.threads, "threads of one integration; the map does not depend on it",
+                  config::between(1, 16));
   }
 };
 
@@ -39,7 +42,8 @@ struct Voxel {
   float weight = 0;
 };
 
-using VoxelIndex = Eigen::Vector3i;  ///< voxel (i, j, k) has its centre at (i + 0.5, j + 0.5, k + 0.5) * voxel_m in the map frame
+using VoxelIndex =
+    Eigen::Vector3i;  ///< voxel (i, j, k) has its centre at (i + 0.5, j + 0.5, k + 0.5) * voxel_m in the map frame
 
 class TsdfMap {
  public:
@@ -49,7 +53,8 @@ class TsdfMap {
   TsdfMap(TsdfMap&&) noexcept;
   TsdfMap& operator=(TsdfMap&&) noexcept;
 
-  /// Fuses one depth image seen from `T_map_cam`. The same sequence of calls gives the same map, with any number of threads.
+  /// Fuses one depth image seen from `T_map_cam`. The same sequence of calls gives the same map, with any number of
+  /// threads.
   void integrate(const stereo::DepthMap& depth, const Pose& T_map_cam);
 
   [[nodiscard]] const TsdfParams& params() const;

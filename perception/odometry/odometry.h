@@ -36,7 +36,8 @@ struct OdometryParams {
 struct Estimate {
   Time stamp;
   Pose T_odom_cam = Pose::Identity();  ///< left camera in the odometry frame (= the first pair's left camera)
-  /// Covariance of `local(true pose, estimate)` *accumulated since the start*, tangent (translation [m], rotation [rad]) in the camera frame.
+  /// Covariance of `local(true pose, estimate)` *accumulated since the start*, tangent (translation [m], rotation
+  /// [rad]) in the camera frame.
   Matrix6d covariance = Matrix6d::Zero();
   /// Covariance of the motion since the last pair, same tangent.
   Matrix6d step_covariance = Matrix6d::Zero();
@@ -55,8 +56,8 @@ class StereoOdometry {
   StereoOdometry(StereoOdometry&&) noexcept;
   StereoOdometry& operator=(StereoOdometry&&) noexcept;
 
-  /// Takes the next pair (8-bit, the camera's size) and returns exactly one estimate. The first pair has the identity pose and status OK
-  /// if it has enough points. Deterministic.
+  /// Takes the next pair (8-bit, the camera's size) and returns exactly one estimate. The first pair has the identity
+  /// pose and status OK if it has enough points. Deterministic.
   [[nodiscard]] Estimate track(Time stamp, const cv::Mat1b& left, const cv::Mat1b& right);
 
  private:

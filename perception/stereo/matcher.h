@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: The arpent authors
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// The stereo matcher's interface: a rectified grey pair in, two disparity images out. `filled` has a value wherever anything can
-// be said (pictures, initialisation); `trusted` only where the measurement is reliable: missing means missing, because invented depth
-// becomes an obstacle in the map.
+// The stereo matcher's interface: a rectified grey pair in, two disparity images out. `filled` has a value wherever
+// anything can be said (pictures, initialisation); `trusted` only where the measurement is reliable: missing means
+// missing, because invented depth becomes an obstacle in the map.
 #pragma once
 
 #include <memory>
@@ -25,7 +25,8 @@ struct MatcherParams {
     visitor.field("algorithm", self.algorithm, "stereo matcher", config::one_of({"elas", "sgbm"}));
     visitor.field("max_disparity_px", self.max_disparity_px, "disparities searched: 0 .. max_disparity_px - 1",
                   config::between(16, kMaxDisparityPx));
-    visitor.field("threads", self.threads, "threads of one match; the result does not depend on it", config::between(1, 16));
+    visitor.field("threads", self.threads, "threads of one match; the result does not depend on it",
+                  config::between(1, 16));
   }
 };
 
@@ -40,7 +41,8 @@ class StereoMatcher {
  public:
   virtual ~StereoMatcher() = default;
   /// `left`, `right`: rectified 8-bit images of one size, at least 32 x 32. A pair without texture gives images full of
-  /// kMissing. Deterministic: the same pair gives the same bytes whatever was matched before and with any number of threads.
+  /// kMissing. Deterministic: the same pair gives the same bytes whatever was matched before and with any number of
+  /// threads.
   [[nodiscard]] virtual Disparities match(const cv::Mat1b& left, const cv::Mat1b& right) = 0;
 };
 

@@ -1,0 +1,19 @@
+// SPDX-FileCopyrightText: The arpent authors
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// The names of all channels; docs/MAP.md lists type, frame, rate and publisher of each, and a test keeps the two equal.
+#pragma once
+
+namespace arpent::channels {
+
+inline constexpr char kConfig[] = "CONFIG";
+inline constexpr char kStereoImages[] = "STEREO_IMAGES";
+inline constexpr char kTruthPose[] = "TRUTH_POSE";
+inline constexpr char kDisparity[] = "DISPARITY";
+inline constexpr char kDisparityFilled[] = "DISPARITY_FILLED";
+inline constexpr char kDepth[] = "DEPTH";
+inline constexpr char kOdometry[] = "ODOMETRY";
+inline constexpr char kMapStatus[] = "MAP_STATUS";
+inline constexpr char kHealth[] = "HEALTH";
+
+}  // namespace arpent::channels

@@ -32,9 +32,8 @@ ensure_packages() {
 }
 
 build_targets() {
-  [ -f "$build/build.ninja" ] || (cd "$root" && cmake --preset release >"$root/.configure.log" 2>&1) ||
-    { cat "$root/.configure.log" >&2; exit 2; }
-  rm -f "$root/.configure.log"
+  local configured
+  configured=$(cd "$root" && cmake --preset release 2>&1) || { echo "$configured" >&2; exit 2; }
   NINJA_STATUS='building [%f/%t] ' cmake --build "$build" --target "$@" >&2 ||
     { echo "arpent: the build failed; see above" >&2; exit 2; }
 }

@@ -36,8 +36,8 @@ target_compile_options(arpent_settings INTERFACE
   -Wall -Wextra -Wpedantic -Werror -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual -Wimplicit-fallthrough
   -ffp-contract=off -fno-math-errno)
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
-  # False alarms of gcc 12 on std::string concatenation (gcc bugs 105329, 105651).
-  target_compile_options(arpent_settings INTERFACE -Wno-restrict)
+  # False alarms of gcc 12 on std::string concatenation and in fmt (gcc bugs 105329, 105651).
+  target_compile_options(arpent_settings INTERFACE -Wno-restrict -Wno-stringop-overflow)
 endif()
 # Debian's libraries are built for SSE2: Eigen objects that cross over to them keep 16-byte alignment.
 target_compile_definitions(arpent_settings INTERFACE EIGEN_MAX_ALIGN_BYTES=16 EIGEN_DONT_PARALLELIZE)
@@ -63,6 +63,7 @@ endif()
 find_package(Eigen3 REQUIRED NO_MODULE)
 find_package(yaml-cpp REQUIRED)
 find_package(CLI11 REQUIRED)
+find_package(fmt REQUIRED)
 find_package(spdlog REQUIRED)
 find_package(nlohmann_json REQUIRED)
 find_package(GTest REQUIRED)

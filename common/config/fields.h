@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
 // How a struct of parameters describes itself. Each `Params` and process `Config` has one static member template that
-// names every field once, with its help (unit in the key's suffix) and its rules; the default stays in the struct. Loading, printing,
-// checking and the generated reference documentation are all visitors of it (config.h).
+// names every field once, with its help (unit in the key's suffix) and its rules; the default stays in the struct.
+// Loading, printing, checking and the generated reference documentation are all visitors of it (config.h).
 //
 //   struct TsdfParams {
 //     double voxel_m = 0.1;
@@ -20,6 +20,7 @@
 #pragma once
 
 #include <cmath>
+#include <filesystem>
 #include <functional>
 #include <string>
 #include <vector>
@@ -54,6 +55,10 @@ template <class T>
           [lowest, highest](const T& v) { return v >= lowest && v <= highest; }};
 }
 [[nodiscard]] Rule<std::string> one_of(std::vector<std::string> choices);
+/// A path that has no default.
+[[nodiscard]] Rule<std::filesystem::path> required_path();
+/// A text that has no default.
+[[nodiscard]] Rule<std::string> required_text();
 /// As many finite numbers as said.
 [[nodiscard]] Rule<std::vector<double>> finite_numbers(std::size_t count);
 

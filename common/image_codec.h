@@ -1,0 +1,22 @@
+// SPDX-FileCopyrightText: The arpent authors
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// image_t <-> cv::Mat: raw or PNG (lossless), with CRC-32C. Sizes are checked against each other before anything is
+// allocated or decoded.
+#pragma once
+
+#include <arpent/image_t.hpp>
+#include <opencv2/core.hpp>
+
+#include "common/result.h"
+
+namespace arpent {
+
+enum class Compression { kNone, kPng };
+
+/// `image`: CV_8UC1 or CV_16UC1.
+[[nodiscard]] image_t encode_image(const cv::Mat& image, Compression compression = Compression::kNone);
+/// CV_8UC1 or CV_16UC1 with its own memory, or what is wrong with the message.
+[[nodiscard]] Result<cv::Mat> decode_image(const image_t& message);
+
+}  // namespace arpent

@@ -36,8 +36,8 @@ target_compile_options(arpent_settings INTERFACE
   -Wall -Wextra -Wpedantic -Werror -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual -Wimplicit-fallthrough
   -ffp-contract=off -fno-math-errno)
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
-  # False alarms of gcc 12 on std::string concatenation and in fmt (gcc bugs 105329, 105651).
-  target_compile_options(arpent_settings INTERFACE -Wno-restrict -Wno-stringop-overflow)
+  # False alarms of gcc 12 on std::string concatenation , fmt and optional-like types (gcc bugs 105329, 105651, 105562).
+  target_compile_options(arpent_settings INTERFACE -Wno-restrict -Wno-stringop-overflow -Wno-maybe-uninitialized)
 endif()
 # Debian's libraries are built for SSE2: Eigen objects that cross over to them keep 16-byte alignment.
 target_compile_definitions(arpent_settings INTERFACE EIGEN_MAX_ALIGN_BYTES=16 EIGEN_DONT_PARALLELIZE)

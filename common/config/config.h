@@ -31,7 +31,7 @@ class FieldCollector {
   template <class T, class... Rules>
   void field(const std::string& key, T& value, const std::string& help, Rules... rules) {
     FieldRef ref{prefix_ + key, &value, help, {}};
-    (ref.rules.emplace_back(rules.text, [rule = std::move(rules), &value] { return rule.holds(value); }), ...);
+    (ref.rules.emplace_back(rules.text, [rule = rules, &value] { return rule.holds(value); }), ...);
     fields_.push_back(std::move(ref));
   }
 

@@ -1,0 +1,163 @@
+// SPDX-FileCopyrightText: The arpent authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "perception/odometry/tracker.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <numeric>
+#include <opencv2/imgproc.hpp>
+#include <opencv2/video/tracking.hpp>
+
+namespace arpent::odometry {
+namespace {
+
+const cv::Size kWindow(15, 15);
+constexpr int kMaxLevel = 4;
+/// Levels used where the guess is good to a few pixels.
+constexpr int kRefineLevel = 1;
+const cv::TermCriteria kStop(cv::TermCriteria::COUNT | cv::TermCriteria::EPS, 20, 0.01);
+constexpr double kMinEigen = 1e-4;
+/// Mean absolute difference of the windows [grey levels] above which a track is given up.
+constexpr float kMaxDifference = 20.0F;
+constexpr double kCornerQuality =
+    40.0;  // least eigenvalue of the 5 x 5 structure tensor, squared grey levels per pixel
+constexpr int kPatchHalf = 5;
+constexpr float kMaxRowError = 1.0F;
+
+std::vector<std::optional<cv::Point2f>> lucas_kanade(const Pyramid& from, const Pyramid& to,
+                                                     const std::vector<cv::Point2f>& from_px,
+                                                     const std::vector<cv::Point2f>& guess_px, int max_level) {
+  std::vector<std::optional<cv::Point2f>> result(from_px.size());
+  if (from_px.empty()) return result;
+  std::vector<cv::Point2f> found = guess_px;
+  std::vector<std::uint8_t> status;
+  std::vector<float> difference;
+  cv::calcOpticalFlowPyrLK(from.levels, to.levels, from_px, found, status, difference, kWindow, max_level, kStop,
+                           cv::OPTFLOW_USE_INITIAL_FLOW, kMinEigen);
+  const cv::Rect2f inside(3, 3, static_cast<float>(to.image.cols - 6), static_cast<float>(to.image.rows - 6));
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    if (status[i] != 0 && difference[i] < kMaxDifference && inside.contains(found[i])) result[i] = found[i];
+  }
+  return result;
+}
+
+int sum_of_differences(const cv::Mat1b& left, const cv::Mat1b& right, int u, int v, int u_right, int limit) {
+  int sum = 0;
+  for (int dv = -kPatchHalf; dv <= kPatchHalf && sum < limit; ++dv) {
+    const std::uint8_t* a = left.ptr(v + dv) + u - kPatchHalf;
+    const std::uint8_t* b = right.ptr(v + dv) + u_right - kPatchHalf;
+    for (int i = 0; i <= 2 * kPatchHalf; ++i) sum += std::abs(int{a[i]} - int{b[i]});
+  }
+  return sum;
+}
+
+/// Best whole disparity along the row; nullopt if another one, not beside it, is nearly as good.
+std::optional<int> search_row(const cv::Mat1b& left, const cv::Mat1b& right, int u, int v, int max_disparity_px) {
+  const int last = std::min(max_disparity_px, u - kPatchHalf);
+  std::vector<int> cost;
+  for (int d = 0; d <= last; ++d) cost.push_back(sum_of_differences(left, right, u, v, u - d, 1 << 30));
+  if (cost.empty()) return std::nullopt;
+  const auto best = static_cast<int>(std::min_element(cost.begin(), cost.end()) - cost.begin());
+  for (int d = 0; d <= last; ++d) {
+    if (std::abs(d - best) > 2 && cost[static_cast<std::size_t>(d)] * 10 < cost[static_cast<std::size_t>(best)] * 13) {
+      return std::nullopt;
+    }
+  }
+  return best;
+}
+
+}  // namespace
+
+Pyramid make_pyramid(const cv::Mat1b& image) {
+  Pyramid pyramid;
+  pyramid.image = image;
+  cv::buildOpticalFlowPyramid(image, pyramid.levels, kWindow, kMaxLevel, true);
+  return pyramid;
+}
+
+std::vector<std::optional<cv::Point2f>> track_points(const Pyramid& from, const Pyramid& to,
+                                                     const std::vector<cv::Point2f>& from_px,
+                                                     const std::vector<cv::Point2f>& guess_px) {
+  return lucas_kanade(from, to, from_px, guess_px, kMaxLevel);
+}
+
+std::vector<cv::Point2f> find_corners(const cv::Mat1b& image, const std::vector<cv::Point2f>& taken_px, int cell_px,
+                                      int per_cell) {
+  cv::Mat1f quality;
+  cv::cornerMinEigenVal(image, quality, 5, 3);
+  // cornerMinEigenVal scales 8-bit gradients by 1 / (2^(ksize-1) * block * 255).
+  const auto least = static_cast<float>(kCornerQuality / (255.0 * 255.0 * 25.0));
+  cv::Mat1f peak;
+  cv::dilate(quality, peak, cv::Mat());
+  cv::Mat1b blocked(image.size(), std::uint8_t{0});
+  const int apart = cell_px / 4;
+  for (const auto& p : taken_px) cv::circle(blocked, p, apart, cv::Scalar(255), cv::FILLED);
+  const int margin = kPatchHalf + 3;
+  std::vector<cv::Point2f> corners;
+  for (int v0 = margin; v0 < image.rows - margin; v0 += cell_px) {
+    for (int u0 = margin; u0 < image.cols - margin; u0 += cell_px) {
+      const cv::Rect cell(u0, v0, std::min(cell_px, image.cols - margin - u0),
+                          std::min(cell_px, image.rows - margin - v0));
+      const auto taken =
+          std::count_if(taken_px.begin(), taken_px.end(), [&](const auto& p) { return cell.contains(cv::Point(p)); });
+      std::vector<std::pair<float, cv::Point>> candidates;
+      for (int v = cell.y; v < cell.y + cell.height; ++v) {
+        for (int u = cell.x; u < cell.x + cell.width; ++u) {
+          const float q = quality(v, u);
+          if (q > least && q == peak(v, u) && blocked(v, u) == 0) candidates.emplace_back(q, cv::Point(u, v));
+        }
+      }
+      std::sort(candidates.begin(), candidates.end(), [](const auto& a, const auto& b) {
+        return a.first != b.first ? a.first > b.first
+                                  : std::pair(a.second.y, a.second.x) < std::pair(b.second.y, b.second.x);
+      });
+      auto wanted = per_cell - taken;
+      for (const auto& [q, p] : candidates) {
+        if (wanted <= 0) break;
+        if (blocked(p) != 0) continue;
+        cv::circle(blocked, p, apart, cv::Scalar(255), cv::FILLED);
+        corners.emplace_back(p);
+        --wanted;
+      }
+    }
+  }
+  return corners;
+}
+
+std::vector<std::optional<float>> match_right(const Pyramid& left, const Pyramid& right,
+                                              const std::vector<cv::Point2f>& left_px, int max_disparity_px) {
+  std::vector<cv::Point2f> searched;
+  std::vector<cv::Point2f> guess;
+  std::vector<std::size_t> index;
+  const int margin = kPatchHalf + 1;
+  const cv::Rect inside(margin, margin, left.image.cols - 2 * margin, left.image.rows - 2 * margin);
+  for (std::size_t i = 0; i < left_px.size(); ++i) {
+    const cv::Point p(cvRound(left_px[i].x), cvRound(left_px[i].y));
+    if (!inside.contains(p)) continue;
+    const auto d = search_row(left.image, right.image, p.x, p.y, max_disparity_px);
+    if (!d) continue;
+    searched.push_back(left_px[i]);
+    guess.emplace_back(left_px[i].x - static_cast<float>(*d), left_px[i].y);
+    index.push_back(i);
+  }
+  const auto refined = refine_right(left, right, searched, guess);
+  std::vector<std::optional<float>> result(left_px.size());
+  for (std::size_t i = 0; i < index.size(); ++i) result[index[i]] = refined[i];
+  return result;
+}
+
+std::vector<std::optional<float>> refine_right(const Pyramid& left, const Pyramid& right,
+                                               const std::vector<cv::Point2f>& left_px,
+                                               const std::vector<cv::Point2f>& guess_px) {
+  const auto found = lucas_kanade(left, right, left_px, guess_px, kRefineLevel);
+  std::vector<std::optional<float>> result(left_px.size());
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    if (found[i] && std::abs(found[i]->y - left_px[i].y) < kMaxRowError && found[i]->x < left_px[i].x - 0.3F) {
+      result[i] = found[i]->x;
+    }
+  }
+  return result;
+}
+
+}  // namespace arpent::odometry

@@ -12,8 +12,8 @@
 #include <algorithm>
 #include <cerrno>
 
-#include "common/error.h"
 #include <fmt/format.h>
+#include "common/error.h"
 
 namespace arpent::tools {
 namespace {

@@ -22,6 +22,9 @@ struct TsdfParams {
   double known_weight = 0.3;
   double min_range_m = 0.3;
   double max_range_m = 5.0;
+  double truncation_voxels = 3.0;
+  double max_weight = 100.0;
+  int max_blocks = 400000;
   int threads = 1;
 
   template <class Self, class Visitor>
@@ -31,6 +34,11 @@ struct TsdfParams {
                   config::greater_than(0.0));
     visitor.field("min_range_m", self.min_range_m, "nearest depth used", config::greater_than(0.0));
     visitor.field("max_range_m", self.max_range_m, "farthest depth used", config::between(0.1, 1000.0));
+    visitor.field("truncation_voxels", self.truncation_voxels, "truncation distance in voxels, across the surface",
+                  config::between(1.0, 20.0));
+    visitor.field("max_weight", self.max_weight, "weight at which a voxel saturates", config::greater_than(0.0));
+    visitor.field("max_blocks", self.max_blocks, "blocks of 8 x 8 x 8 voxels (4 kB each) that the map may hold",
+                  config::at_least(1));
     visitor.field("threads", self.threads, "threads of one integration; the map does not depend on it",
                   config::between(1, 16));
   }
@@ -53,16 +61,27 @@ class TsdfMap {
   TsdfMap(TsdfMap&&) noexcept;
   TsdfMap& operator=(TsdfMap&&) noexcept;
 
-  /// Fuses one depth image seen from `T_map_cam`. The same sequence of calls gives the same map, with any number of
-  /// threads.
-  void integrate(const stereo::DepthMap& depth, const Pose& T_map_cam);
+  /// Fuses one depth image seen from `T_map_cam`. Pixels that are not finite or out of range count as missing. False,
+  /// and nothing changes, if the pose is not finite or too far away to index. The same sequence of calls gives the same
+  /// map, with any number of threads.
+  bool integrate(const stereo::DepthMap& depth, const Pose& T_map_cam);
 
   [[nodiscard]] const TsdfParams& params() const;
   /// nullopt where nothing was ever seen.
   [[nodiscard]] std::optional<Voxel> voxel(const VoxelIndex& index) const;
+  [[nodiscard]] bool is_known(const VoxelIndex& index) const;
+  [[nodiscard]] VoxelIndex index_of(const Eigen::Vector3d& p_map_m) const;
+  [[nodiscard]] Eigen::Vector3d centre_m(const VoxelIndex& index) const;
+
   [[nodiscard]] std::size_t block_count() const;
-  /// CRC-32C over the map's content in a canonical order: equal maps, equal digests.
-  [[nodiscard]] std::uint32_t digest() const;
+  [[nodiscard]] std::size_t known_voxel_count() const;
+  /// Blocks that could not be created because the map is full (max_blocks).
+  [[nodiscard]] std::int64_t refused_blocks() const;
+  /// Number of integrations so far; blocks carry the revision that touched them last.
+  [[nodiscard]] std::int64_t revision() const;
+  /// Checksum of the map's content, whatever the order in which its blocks came to be: equal maps, equal digests. Costs
+  /// as much as changed since it was last asked.
+  [[nodiscard]] std::uint32_t digest();
 
   struct Storage;
   [[nodiscard]] Storage& storage();

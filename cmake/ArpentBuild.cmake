@@ -82,6 +82,9 @@ foreach(module core imgproc imgcodecs calib3d features2d video)
     INTERFACE_INCLUDE_DIRECTORIES ${OPENCV_INCLUDE_DIR})
 endforeach()
 
+# All processes and tools, without tests and benchmarks.
+add_custom_target(arpent_programs)
+
 # arpent_library(NAME SOURCES … DEPS …): a room's library. DEPS are public.
 function(arpent_library name)
   cmake_parse_arguments(ARG "" "" "SOURCES;DEPS" ${ARGN})
@@ -94,6 +97,7 @@ function(arpent_executable name)
   cmake_parse_arguments(ARG "" "" "SOURCES;DEPS" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE arpent_settings ${ARG_DEPS})
+  add_dependencies(arpent_programs ${name})
 endfunction()
 
 # arpent_test(NAME SOURCES … DEPS … [LABELS …] [SERIAL]): a GoogleTest binary; ctest sees each of its tests.

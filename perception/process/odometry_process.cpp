@@ -28,16 +28,16 @@ struct OdometryProcess::State {
 
   /// The answer for a pair that cannot be used: where we were, LOST, and why.
   odometry::BodyOdometry lost(Time stamp, std::int64_t sequence, const std::string& reason) const {
-    odometry::BodyOdometry odometry = last.value_or(odometry::BodyOdometry{});
-    odometry.stamp = stamp;
-    odometry.sequence = sequence;
-    odometry.status = odometry::Status::kLost;
-    odometry.reason = reason;
-    odometry.velocity_body.setZero();
-    odometry.tracked = 0;
-    odometry.inliers = 0;
-    odometry.keyframe = false;
-    return odometry;
+    odometry::BodyOdometry repeated = last.value_or(odometry::BodyOdometry{});
+    repeated.stamp = stamp;
+    repeated.sequence = sequence;
+    repeated.status = odometry::Status::kLost;
+    repeated.reason = reason;
+    repeated.velocity_body.setZero();
+    repeated.tracked = 0;
+    repeated.inliers = 0;
+    repeated.keyframe = false;
+    return repeated;
   }
 
   odometry::BodyOdometry estimate(const stereo::StereoPair& pair) {

@@ -1,0 +1,140 @@
+// SPDX-FileCopyrightText: The arpent authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <time.h>
+
+#include <arpent/map_status_t.hpp>
+#include <arpent/odometry_t.hpp>
+#include <chrono>
+
+#include "common/bus/lockstep.h"
+#include "common/bus/typed.h"
+#include "common/channels.h"
+#include "common/crc32c.h"
+#include "common/log/event_log.h"
+#include "mapping/surface/mesh_extraction.h"
+#include "tools/progress.h"
+#include "tools/replay/collect.h"
+#include "tools/replay/replay.h"
+
+namespace arpent::tools {
+namespace {
+
+double process_cpu_s() {
+  timespec t{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+}
+
+ProcessFigures figures_of(const Bus& bus) {
+  return {bus.health().counters(), bus.health().handler_ms(), bus.health().messages()};
+}
+
+}  // namespace
+
+void Collector::take(Time time, const std::string& channel, BytesView bytes) {
+  if (log_) log_->write(time, channel, bytes);
+  if (channel == channels::kStereoImages) {
+    ++result_.pairs;
+    return;
+  }
+  const std::int64_t utime = to_utime(time);
+  result_.log_crc = crc32c_of(std::span<const std::int64_t>(&utime, 1), result_.log_crc);
+  result_.log_crc = crc32c_of(bytes, result_.log_crc);
+  std::string fault;
+  if (channel == channels::kOdometry) {
+    odometry_t message;
+    if (!decode_guarded(bytes, message, fault)) return;
+    if (const auto odometry = odometry::from_wire(message)) result_.odometry.push_back(*odometry);
+  } else if (channel == channels::kMapStatus) {
+    map_status_t message;
+    if (!decode_guarded(bytes, message, fault)) return;
+    result_.map_digests[message.utime] = static_cast<std::uint32_t>(message.digest_crc32c);
+    if (const auto status = mapping::from_wire(message)) result_.map = *status;
+  } else if (channel == channels::kDepth && bytes.size() > 16) {
+    std::int64_t stamp = 0;  // utime is the first field behind the fingerprint
+    for (std::size_t i = 8; i < 16; ++i) stamp = stamp << 8 | bytes[i];
+    result_.depth_crc[stamp] = crc32c_of(bytes);
+  }
+}
+
+bool Window::wants(Time time, std::int64_t index) const {
+  const double since_s = to_seconds(time - begin_);
+  return since_s >= options_.start_s && since_s < options_.start_s + options_.duration_s && index % options_.step == 0;
+}
+
+ReplayResult run_lockstep(const ReplayInput& input, const ReplayOptions& options) {
+  const double cpu_start = process_cpu_s();
+  const auto wall_start = std::chrono::steady_clock::now();
+  ReplayResult result;
+  std::unique_ptr<LogWriter> log;
+  if (!options.out_log.empty()) log = std::make_unique<LogWriter>(options.out_log);
+  Collector collector(result, log.get());
+  LockstepExecutor executor(input.pairs.front(), options.threads);
+  executor.set_tap(
+      [&](Time time, const std::string& channel, BytesView bytes) { collector.take(time, channel, bytes); });
+  std::map<std::string, Bus*> buses;
+  const auto add = [&](const char* name) {
+    const auto endpoint = executor.add_process(name);
+    buses[name] = &endpoint.bus;
+    return endpoint;
+  };
+  std::unique_ptr<DepthProcess> depth;
+  std::unique_ptr<OdometryProcess> odometry;
+  std::unique_ptr<MappingProcess> mapping;
+  if (options.processes.contains("depth")) {
+    const auto [bus, clock] = add(DepthProcess::kName);
+    depth = std::make_unique<DepthProcess>(input.config.depth, bus, clock);
+  }
+  if (options.processes.contains("odometry")) {
+    const auto [bus, clock] = add(OdometryProcess::kName);
+    odometry = std::make_unique<OdometryProcess>(input.config.odometry, bus, clock);
+  }
+  if (options.processes.contains("mapping")) {
+    const auto [bus, clock] = add(MappingProcess::kName);
+    mapping = std::make_unique<MappingProcess>(input.config.mapping, bus, clock);
+  }
+  LogReader reader(input.log);
+  const Window window(input.pairs.front(), options);
+  std::size_t seen = 0;
+  while (const auto event = reader.next()) {
+    // Only inputs are played: what the processes publish themselves comes from them. Outputs of processes that do not
+    // run are inputs.
+    const bool pair = event->channel == channels::kStereoImages;
+    const bool other =
+        (event->channel == channels::kDepth && !depth) || (event->channel == channels::kOdometry && !odometry);
+    if (!pair && !other) continue;
+    if (!window.wants(event->time, pair ? static_cast<std::int64_t>(seen++) : 0)) continue;
+    executor.run_until(std::max(executor.now(), event->time - Duration(1)));
+    executor.inject(event->time, event->channel, event->data);
+    show_progress("replay", seen, input.pairs.size());
+  }
+  executor.run_until_idle();
+  if (mapping) {
+    mapping->finish();
+    result.mesh = mapping::extract_mesh(mapping->map());
+  }
+  if (log) log->close();
+  for (const auto& [name, bus] : buses) result.processes[name] = figures_of(*bus);
+  result.cpu_s = process_cpu_s() - cpu_start;
+  result.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - wall_start).count();
+  return result;
+}
+
+ReplayDifference compare(const ReplayResult& a, const ReplayResult& b) {
+  const auto count_different = [](const auto& x, const auto& y) {
+    std::int64_t different = 0;
+    for (const auto& [utime, crc] : x) {
+      const auto other = y.find(utime);
+      different += other == y.end() || other->second != crc ? 1 : 0;
+    }
+    for (const auto& entry : y) different += x.contains(entry.first) ? 0 : 1;
+    return different;
+  };
+  ReplayDifference difference;
+  difference.depth_different = count_different(a.depth_crc, b.depth_crc);
+  difference.map_different = count_different(a.map_digests, b.map_digests);
+  difference.mesh_equal = a.mesh.vertices_m == b.mesh.vertices_m && a.mesh.triangles == b.mesh.triangles;
+  return difference;
+}
+
+}  // namespace arpent::tools

@@ -32,7 +32,7 @@ class Texture {
     cv::Mat1f tile(kSide, kSide, 0.0F);
     cv::RNG rng(20);
     float amplitude = 1;
-    for (int side = 8; side <= kSide; side *= 2, amplitude *= 0.72F) {
+    for (int side = 8; side <= kSide; side *= 2, amplitude *= 0.86F) {
       cv::Mat1f noise(side, side);
       rng.fill(noise, cv::RNG::NORMAL, 0, amplitude);
       // Repeat the border so that the enlarged noise continues across the tile's edge.

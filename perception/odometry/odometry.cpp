@@ -107,6 +107,17 @@ struct StereoOdometry::State {
     return median(std::move(moved));
   }
 
+  /// The rotation that best explains how the whole image has shifted since the last pair: what helps when the robot begins to turn and
+  /// points move farther than Lucas-Kanade can follow.
+  [[nodiscard]] Pose turn_since_last(const Pyramid& left) const {
+    const cv::Point2d shift_px = measure_shift(last_left.image, left.image);
+    const double yaw_rad = -std::atan2(shift_px.x, stereo.camera.fx_px);
+    const double pitch_rad = std::atan2(shift_px.y, stereo.camera.fy_px);
+    Pose turn = Pose::Identity();
+    turn.linear() = so3_exp({pitch_rad, yaw_rad, 0});
+    return turn;
+  }
+
   /// Follows all live tracks into the new pair, starting where `T_guess` predicts them, and solves for the pose.
   Measured measure(const Pyramid& left, const Pyramid& right, const Pose& T_guess, bool predicted) const {
     std::vector<cv::Point2f> from;
@@ -293,6 +304,7 @@ Estimate StereoOdometry::State::first(Time stamp, const Pyramid& left, const Pyr
 Estimate StereoOdometry::State::next(Time stamp, const Pyramid& left, const Pyramid& right) {
   const Pose T_guess = T_odom_cam * T_last_now;
   Measured measured = measure(left, right, T_guess, true);
+  if (!good(measured)) measured = measure(left, right, T_odom_cam * turn_since_last(left), true);
   if (!good(measured)) measured = measure(left, right, T_odom_cam, false);
   if (!good(measured)) {
     keyframe_covariance += Matrix6d::Identity();  // the motion across this gap is unknown

@@ -82,6 +82,20 @@ std::vector<std::optional<cv::Point2f>> track_points(const Pyramid& from, const 
   return lucas_kanade(from, to, from_px, guess_px, kMaxLevel);
 }
 
+cv::Point2d measure_shift(const cv::Mat1b& from, const cv::Mat1b& to) {
+  constexpr double kScale = 0.25;
+  cv::Mat1f small[2];
+  const cv::Mat1b* images[2] = {&from, &to};
+  for (int i = 0; i < 2; ++i) {
+    cv::Mat1b shrunk;
+    cv::resize(*images[i], shrunk, {}, kScale, kScale, cv::INTER_AREA);
+    shrunk.convertTo(small[i], CV_32F);
+  }
+  cv::Mat1f window;
+  cv::createHanningWindow(window, small[0].size(), CV_32F);
+  return cv::phaseCorrelate(small[0], small[1], window) / kScale;
+}
+
 std::vector<cv::Point2f> find_corners(const cv::Mat1b& image, const std::vector<cv::Point2f>& taken_px, int cell_px,
                                       int per_cell) {
   cv::Mat1f quality;

@@ -144,7 +144,7 @@ cv::Mat3b draw_birds_eye(const TriangleMesh& mesh, const std::vector<ViewPath>& 
   const double reach = 0.5 * Eigen::Vector3d(x1 - x0, y1 - y0, z1 - z0).norm();
   T_map_cam.translation() = centre - 6 * reach * forward;
   PinholeCamera camera{size.width, size.height, 1, 1, 0.5 * size.width, 0.5 * size.height};
-  double widest = 0.01;
+  double widest = 1e-9;
   for (const float x : {x0, x1}) {
     for (const float y : {y0, y1}) {
       for (const float z : {z0, z1}) {

@@ -107,8 +107,8 @@ struct StereoOdometry::State {
     return median(std::move(moved));
   }
 
-  /// The rotation that best explains how the whole image has shifted since the last pair: what helps when the robot begins to turn and
-  /// points move farther than Lucas-Kanade can follow.
+  /// The rotation that best explains how the whole image has shifted since the last pair: what helps when the robot
+  /// begins to turn and points move farther than Lucas-Kanade can follow.
   [[nodiscard]] Pose turn_since_last(const Pyramid& left) const {
     const cv::Point2d shift_px = measure_shift(last_left.image, left.image);
     const double yaw_rad = -std::atan2(shift_px.x, stereo.camera.fx_px);

@@ -81,29 +81,34 @@ std::optional<LogEvent> LogReader::event_at(std::uint64_t at, std::uint64_t& end
                   {channel + channel_bytes, data_bytes}};
 }
 
+bool LogReader::swallows_another(const LogEvent& event, std::uint64_t at, std::uint64_t end) const {
+  static constexpr std::uint8_t kSyncBytes[] = {0xED, 0xA1, 0xDA, 0x01};
+  for (std::uint64_t from = at + 4; from + 4 <= end;) {
+    const void* found = memmem(bytes_ + from, end - from, kSyncBytes, sizeof kSyncBytes);
+    if (found == nullptr) return false;
+    const auto inner = static_cast<std::uint64_t>(static_cast<const std::uint8_t*>(found) - bytes_);
+    std::uint64_t inner_end = 0;
+    const auto other = event_at(inner, inner_end);
+    if (other && other->number > event.number && other->number <= event.number + 2) return true;
+    from = inner + 1;
+  }
+  return false;
+}
+
 std::optional<LogEvent> LogReader::next() {
   const std::uint64_t start = at_;
   for (std::uint64_t at = at_; at < size_; ++at) {
     std::uint64_t end = 0;
     auto event = event_at(at, end);
-    // A damaged length would swallow the events behind it: what follows must be an event again, or the end. After
-    // damage the next sync word is trusted.
-    const bool followed =
-        event && (end == size_ || (size_ - end >= 4 && read_big_endian<std::uint32_t>(bytes_ + end) == kSync));
-    if (!event || (!followed && at == start && size_ - end >= kHeaderBytes)) {
-      // Whether the length or only the next sync word is damaged: the event is believed if no sync word lies inside of
-      // it.
-      bool believed = event.has_value();
-      for (std::uint64_t i = at + 4; believed && i + 4 <= end; ++i)
-        believed = read_big_endian<std::uint32_t>(bytes_ + i) != kSync;
-      if (!believed) continue;
-    }
+    // A damaged length would swallow the events behind it.
+    if (!event || swallows_another(*event, at, end)) continue;
     if (at > start) {
       ++damage_.places;
       damage_.bytes += static_cast<std::int64_t>(at - start);
     }
-    if (last_number_ >= 0 && event->number > last_number_ + 1 && event->number < last_number_ + kMaxGap)
+    if (last_number_ >= 0 && event->number > last_number_ + 1 && event->number < last_number_ + kMaxGap) {
       damage_.missing += event->number - last_number_ - 1;
+    }
     last_number_ = event->number;
     at_ = end;
     return event;

@@ -52,6 +52,7 @@ class LogReader {
 
  private:
   [[nodiscard]] std::optional<LogEvent> event_at(std::uint64_t at, std::uint64_t& end) const;
+  [[nodiscard]] bool swallows_another(const LogEvent& event, std::uint64_t at, std::uint64_t end) const;
 
   const std::uint8_t* bytes_ = nullptr;
   std::uint64_t size_ = 0;

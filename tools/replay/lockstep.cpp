@@ -58,8 +58,8 @@ void Collector::take(Time time, const std::string& channel, BytesView bytes) {
 }
 
 bool Window::wants(Time time, std::int64_t index) const {
-  const double since_s = to_seconds(time - begin_);
-  return since_s >= options_.start_s && since_s < options_.start_s + options_.duration_s && index % options_.step == 0;
+  const Duration since = time - begin_ - from_seconds(options_.start_s);
+  return since >= Duration(0) && since < from_seconds(options_.duration_s) && index % options_.step == 0;
 }
 
 ReplayResult run_lockstep(const ReplayInput& input, const ReplayOptions& options) {

@@ -1,8 +1,9 @@
 // SPDX-FileCopyrightText: The arpent authors
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// The map on disk: blocks quantised (distance to 1/2047 of the truncation distance, weight to 1/8 octave, whether a voxel is known kept exactly), compressed in groups with
-// zstd, each block with a CRC-32C, written whole or not at all. A damaged file gives back every block whose group and checksum are intact.
+// The map on disk: blocks quantised (distance to 1/2047 of the truncation distance, weight to 1/8 octave, whether a
+// voxel is known kept exactly), compressed in groups with zstd, each block with a CRC-32C, written whole or not at all.
+// A damaged file gives back every block whose group and checksum are intact.
 #pragma once
 
 #include <filesystem>

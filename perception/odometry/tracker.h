@@ -24,7 +24,8 @@ struct Pyramid {
                                                                    const std::vector<cv::Point2f>& from_px,
                                                                    const std::vector<cv::Point2f>& guess_px);
 
-/// How far the image as a whole has moved from `from` to `to` [px], by phase correlation at a quarter of the resolution.
+/// How far the image as a whole has moved from `from` to `to` [px], by phase correlation at a quarter of the
+/// resolution.
 [[nodiscard]] cv::Point2d measure_shift(const cv::Mat1b& from, const cv::Mat1b& to);
 
 /// Up to `per_cell` strongest Shi-Tomasi corners in each cell of `cell_px` that has fewer than that among `taken_px`,

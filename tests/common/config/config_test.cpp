@@ -9,6 +9,7 @@
 #include <random>
 
 #include "common/config/rig.h"
+#include "common/config/robot.h"
 #include "common/error.h"
 
 namespace arpent {
@@ -149,6 +150,16 @@ TEST(Rig, EveryShippedRigIsSound) {
   int count = 0;
   for (const auto& entry : std::filesystem::directory_iterator(ARPENT_SOURCE_DIR "/config/rigs")) {
     EXPECT_NO_THROW((void)load_rig(entry.path())) << entry.path();
+    ++count;
+  }
+  EXPECT_GT(count, 0);
+}
+
+TEST(Robot, EveryShippedRobotIsSoundAndItsRigIsThere) {
+  int count = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(ARPENT_SOURCE_DIR "/config/robots")) {
+    const auto robot = config::load<RobotConfig>(entry.path());
+    EXPECT_NO_THROW((void)load_rig(robot.rig)) << entry.path();
     ++count;
   }
   EXPECT_GT(count, 0);

@@ -47,7 +47,7 @@ CellTriangles make_case(std::uint8_t inside) {
       next[static_cast<std::size_t>(edge)] = -1;
       edge = following;
     }
-    for (std::size_t i = 2; i < loop.size(); ++i) triangles.push_back({loop[0], loop[i - 1], loop[i]});
+    for (std::size_t i = 2; i < loop.size(); ++i) triangles.push_back({loop[0], loop[i], loop[i - 1]});
   }
   return triangles;
 }

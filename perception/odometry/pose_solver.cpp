@@ -71,7 +71,8 @@ int iterations_needed(int inliers, std::size_t total, int limit) {
   const double share = static_cast<double>(inliers) / static_cast<double>(total);
   const double failure = 1.0 - share * share * share;
   if (failure <= 1e-9) return 1;
-  return std::min(limit, static_cast<int>(std::ceil(std::log(1.0 - kConfidence) / std::log(failure))));
+  const double wanted = std::log(1.0 - kConfidence) / std::log(std::min(failure, 1.0 - 1e-9));
+  return static_cast<int>(std::ceil(std::min(wanted, static_cast<double>(limit))));
 }
 
 Pose ransac(const RectifiedStereo& stereo, const std::vector<PointMeasurement>& all, const Pose& guess,

@@ -73,6 +73,9 @@ Camera read_camera(const fs::path& file) {
       fail(file, "has lists of the wrong length");
     Camera camera;
     camera.raw.pinhole = {size[0], size[1], K[0], K[1], K[2], K[3]};
+    if (model != "equidistant" && model != "radial-tangential" && model != "radtan") {
+      fail(file, "distortion_model must be radial-tangential or equidistant, not " + model);
+    }
     camera.raw.distortion = model == "equidistant" ? DistortionModel::kEquidistant : DistortionModel::kRadialTangential;
     std::copy(D.begin(), D.end(), camera.raw.coefficients.begin());
     camera.T_body_cam.matrix() = Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(T.data());
@@ -88,7 +91,11 @@ std::vector<TruePose> read_truth(const fs::path& file) {
   for (const auto& row : read_csv(file)) {
     if (row.size() < 8) fail(file, "a line has fewer than 8 numbers");
     double v[7];
-    for (std::size_t i = 0; i < 7; ++i) v[i] = std::strtod(row[i + 1].c_str(), nullptr);
+    for (std::size_t i = 0; i < 7; ++i) {
+      char* end = nullptr;
+      v[i] = std::strtod(row[i + 1].c_str(), &end);
+      if (end == row[i + 1].c_str()) fail(file, fmt::format("'{}' is no number", row[i + 1]));
+    }
     const auto T = make_pose({v[0], v[1], v[2]}, {v[3], v[4], v[5], v[6]});
     if (!T) fail(file, fmt::format("the pose at {} is no rigid motion", row[0]));
     truth.push_back({from_utime(to_utime(row[0], file)), *T});

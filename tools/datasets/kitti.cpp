@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <fstream>
 #include <map>
 #include <opencv2/imgcodecs.hpp>
@@ -76,6 +77,9 @@ StereoCalibration to_calibration(const Row12& P0, const Row12& P1, cv::Size size
   calibration.T_body_left.linear() = R_body_from_camera_axes();
   const auto faults = find_faults(calibration);
   if (!faults.empty()) fail(file, fmt::format("{}", fmt::join(faults, "; ")));
+  if (P0[1] != 0 || P1[1] != 0 || !(calibration.left.pinhole == calibration.right.pinhole)) {
+    fail(file, "P0 and P1 must be those of a rectified pair: equal but for the baseline, without skew");
+  }
   return calibration;
 }
 
@@ -99,6 +103,10 @@ std::vector<double> read_times(const fs::path& file, std::size_t count) {
   std::ifstream in = open(file);
   for (double t = 0; in >> t;) times_s.push_back(t);
   if (times_s.size() < count) fail(file, fmt::format("has {} times for {} images", times_s.size(), count));
+  constexpr double kLongestS = 1e7;
+  for (std::size_t i = 0; i < count; ++i) {
+    if (!(std::abs(times_s[i]) < kLongestS)) fail(file, fmt::format("line {}: is no time in seconds", i + 1));
+  }
   for (std::size_t i = 1; i < count; ++i) {
     if (!(times_s[i] > times_s[i - 1])) fail(file, fmt::format("line {}: times must ascend", i + 1));
   }

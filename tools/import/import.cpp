@@ -101,8 +101,14 @@ ImportedPair load_pair(const DatasetFrame& frame) {
 }
 
 ImportCounts import_images(const Dataset& dataset, const ImportProfile& profile, const fs::path& log) {
-  ImportCounts counts = write_log(log, dataset, profile, dataset.frames.size(),
-                                  [&](std::size_t i) { return load_pair(dataset.frames[i]); });
+  const PinholeCamera& camera = dataset.calibration.left.pinhole;
+  ImportCounts counts = write_log(log, dataset, profile, dataset.frames.size(), [&](std::size_t i) {
+    ImportedPair pair = load_pair(dataset.frames[i]);
+    if (pair.left.cols != camera.width_px || pair.left.rows != camera.height_px) {
+      throw InputError(dataset.frames[i].left.string() + ": is not of the camera's size");
+    }
+    return pair;
+  });
   counts.unpaired = dataset.unpaired;
   return counts;
 }
@@ -116,6 +122,7 @@ ImportCounts write_log(const fs::path& log, const Dataset& dataset, const Import
   rig.max_range_m = profile.max_range_m;
   rig.rate_hz = std::clamp(dataset.rate_hz, 0.1, 1000.0);
   const std::string rig_yaml = config::to_yaml(rig);
+  const fs::path rig_file = log.string() + ".rig.yaml";
   TemporaryLog out(log);
   ImportCounts counts;
   std::size_t next_truth = 0;
@@ -125,6 +132,8 @@ ImportCounts write_log(const fs::path& log, const Dataset& dataset, const Import
       out.write(pair.stamp, channels::kConfig, make_config(pair.stamp, "rig", rig_yaml));
       out.write(pair.stamp, channels::kConfig, make_config(pair.stamp, "replay", replay_yaml(dataset, profile)));
     }
+    // Truth from before the first pair is left out, so that event times do not go back.
+    while (i == 0 && next_truth < dataset.truth.size() && dataset.truth[next_truth].stamp < pair.stamp) ++next_truth;
     for (; next_truth < dataset.truth.size() && dataset.truth[next_truth].stamp <= pair.stamp; ++next_truth) {
       out.write(dataset.truth[next_truth].stamp, channels::kTruthPose, make_pose_message(dataset.truth[next_truth]));
       ++counts.poses;
@@ -134,8 +143,13 @@ ImportCounts write_log(const fs::path& log, const Dataset& dataset, const Import
     show_progress("import", i + 1, count);
   }
   counts.pairs = static_cast<std::int64_t>(count);
-  out.commit();
-  atomic_write(log.string() + ".rig.yaml", rig_yaml);
+  atomic_write(rig_file, rig_yaml);
+  try {
+    out.commit();
+  } catch (const InputError&) {
+    fs::remove(rig_file);
+    throw;
+  }
   return counts;
 }
 

@@ -60,6 +60,11 @@ if(ARPENT_SANITIZE)
   endif()
 endif()
 
+if(ARPENT_FUZZ)
+  target_compile_options(arpent_settings INTERFACE -fsanitize=fuzzer-no-link)
+  target_link_options(arpent_settings INTERFACE -fsanitize=fuzzer-no-link)
+endif()
+
 find_package(Eigen3 REQUIRED NO_MODULE)
 find_package(yaml-cpp REQUIRED)
 find_package(CLI11 REQUIRED)

@@ -27,7 +27,7 @@ struct SubscriptionOptions {
   /// A larger message is refused unseen and counted.
   std::size_t max_bytes = std::size_t{16} << 20;
   /// Declared time from the message to what its handler publishes. In lockstep the outputs appear that much later and
-  /// the process is busy meanwhile; live it is only compared with what is measured.
+  /// the process is busy meanwhile (not if it publishes nothing); live it is only compared with what is measured.
   Duration latency = Duration(0);
 };
 

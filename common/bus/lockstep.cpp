@@ -85,7 +85,10 @@ class LockstepExecutor::ProcessBus : public Bus, public Clock {
     first->handler(*waiting.bytes);
   }
 
+  /// A handler that publishes nothing (a pair passed over by the rate, say) takes no time: its latency is that of its
+  /// outputs.
   void commit() {
+    if (outputs_.empty()) latency_ = Duration(0);
     for (auto& [channel, bytes] : outputs_) {
       executor_.push({executor_.now() + latency_, 0, channel, bytes, nullptr, 0});
     }

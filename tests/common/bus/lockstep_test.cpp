@@ -61,13 +61,27 @@ TEST(Lockstep, ABusyProcessHandlesWhatWaitedWhenItIsDone) {
   EXPECT_EQ(record.lines, (std::vector<std::string>{"0 X 1", "10 X 2", "30 Y 1a", "60 Y 2a"}));
 }
 
+TEST(Lockstep, AHandlerThatPublishesNothingTakesNoTime) {
+  LockstepExecutor executor(at(0));
+  Bus& bus = executor.add_process("p").bus;
+  int handled = 0;
+  bus.subscribe_bytes("X", {2, 1000, 100ms}, [&](BytesView) { ++handled; });
+  for (int i = 0; i < 6; ++i) executor.inject(at(10 * i), "X", bytes("m"));
+  executor.run_until_idle();
+  EXPECT_EQ(handled, 6);
+  EXPECT_EQ(bus.health().counter("X", "dropped"), 0);
+}
+
 TEST(Lockstep, AFullQueueDropsItsOldestAndCountsIt) {
   LockstepExecutor executor(at(0));
   Record record;
   executor.set_tap(record.tap());
   auto [bus, clock] = executor.add_process("slow");
   std::vector<std::string> seen;
-  bus.subscribe_bytes("X", {2, 1000, 100ms}, [&](BytesView view) { seen.push_back(text(view)); });
+  bus.subscribe_bytes("X", {2, 1000, 100ms}, [&seen, &bus = bus](BytesView view) {
+    seen.push_back(text(view));
+    bus.publish_bytes("Y", view);
+  });
   for (int i = 0; i < 6; ++i) executor.inject(at(10 * i), "X", bytes(std::to_string(i)));
   executor.run_until_idle();
   EXPECT_EQ(seen, (std::vector<std::string>{"0", "4", "5"}));

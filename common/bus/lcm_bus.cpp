@@ -68,7 +68,10 @@ struct LcmBus::State {
       }
       subscription.queue.emplace_back(++order, Bytes(bytes.begin(), bytes.end()));
     }
-    if (dropped) health->count(subscription.channel, "dropped");
+    if (dropped) {
+      health->count(subscription.channel, "dropped");
+      health->warn(subscription.channel + ": queue full, oldest message dropped");
+    }
     arrived.notify_one();
   }
 

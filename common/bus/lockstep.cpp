@@ -125,6 +125,7 @@ class LockstepExecutor::ProcessBus : public Bus, public Clock {
     if (static_cast<int>(subscription.queue.size()) >= subscription.options.queue_capacity) {
       subscription.queue.pop_front();
       health().count(event.channel, "dropped");
+      health().warn(event.channel + ": queue full, oldest message dropped");
     }
     subscription.queue.push_back({event.order, event.bytes});
   }

@@ -86,9 +86,9 @@ double Report::add_time(const std::string& name, const std::function<void()>& wo
                         const std::string& note) {
   std::vector<double> subject;
   std::vector<double> reference;
-  work();  // warm caches
   for (int i = 0; i < std::max(5, repetitions); ++i) {
     reference.push_back(time_reference_once());
+    work();  // the reference has filled the caches with its own
     subject.push_back(cpu_ms(work));
   }
   const double ratio = median(subject) / median(reference);

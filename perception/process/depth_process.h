@@ -24,7 +24,7 @@ struct DepthConfig {
   double rate_hz = 5.0;
   bool publish_disparity = true;
   bool publish_filled = false;
-  int latency_us = 180000;
+  int latency_us = 80000;
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visitor) {

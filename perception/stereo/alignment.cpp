@@ -17,7 +17,7 @@ namespace {
 
 constexpr int kHalfWindow = 4;
 constexpr int kMaxOffset = 3;
-constexpr int kGrid = 10;
+constexpr int kGrid = 16;
 constexpr int kMinVerticalGradient = 300;  // sum over the window: 81 pixels with about 4 grey levels each
 constexpr std::size_t kMinSamples = 50;
 constexpr int kMargin = kHalfWindow + kMaxOffset + 1;

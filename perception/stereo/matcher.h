@@ -16,13 +16,13 @@
 namespace arpent::stereo {
 
 struct MatcherParams {
-  std::string algorithm = "sgbm";
+  std::string algorithm = "elas";
   int max_disparity_px = 128;
   int threads = 1;
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visitor) {
-    visitor.field("algorithm", self.algorithm, "stereo matcher", config::one_of({"sgbm"}));
+    visitor.field("algorithm", self.algorithm, "stereo matcher", config::one_of({"elas", "sgbm"}));
     visitor.field("max_disparity_px", self.max_disparity_px, "disparities searched: 0 .. max_disparity_px - 1",
                   config::between(16, kMaxDisparityPx));
     visitor.field("threads", self.threads, "threads of one match; the result does not depend on it",

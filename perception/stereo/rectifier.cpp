@@ -58,19 +58,20 @@ Rectification choose(const StereoCalibration& calibration) {
   return result;
 }
 
-std::pair<cv::Mat, cv::Mat> make_maps(const RawCamera& camera, const cv::Matx33d& R, const PinholeCamera& target) {
-  std::pair<cv::Mat, cv::Mat> maps;
+Remap make_map(const RawCamera& camera, const cv::Matx33d& R, const PinholeCamera& target) {
+  cv::Mat1f u;
+  cv::Mat1f v;
   const cv::Size size(target.width_px, target.height_px);
   const cv::Matx33d K = camera_matrix(camera.pinhole);
   const cv::Matx33d P = camera_matrix(target);
   if (camera.distortion == DistortionModel::kEquidistant) {
     const cv::Vec4d D(camera.coefficients[0], camera.coefficients[1], camera.coefficients[2], camera.coefficients[3]);
-    cv::fisheye::initUndistortRectifyMap(K, D, R, P, size, CV_16SC2, maps.first, maps.second);
+    cv::fisheye::initUndistortRectifyMap(K, D, R, P, size, CV_32FC1, u, v);
   } else {
     const cv::Mat1d D(1, 5, const_cast<double*>(camera.coefficients.data()));
-    cv::initUndistortRectifyMap(K, D, R, P, size, CV_16SC2, maps.first, maps.second);
+    cv::initUndistortRectifyMap(K, D, R, P, size, CV_32FC1, u, v);
   }
-  return maps;
+  return {u, v, cv::Size(camera.pinhole.width_px, camera.pinhole.height_px)};
 }
 
 bool is_ideal(const StereoCalibration& calibration) {
@@ -95,16 +96,13 @@ Rectifier::Rectifier(const StereoCalibration& calibration) {
   const Rectification rectification = choose(calibration);
   stereo_.camera = rectification.camera;
   T_body_rectified_.linear() = calibration.T_body_left.linear() * to_eigen(rectification.R_left).transpose();
-  maps_[0] = make_maps(calibration.left, rectification.R_left, stereo_.camera);
-  maps_[1] = make_maps(calibration.right, rectification.R_right, stereo_.camera);
+  maps_[0] = make_map(calibration.left, rectification.R_left, stereo_.camera);
+  maps_[1] = make_map(calibration.right, rectification.R_right, stereo_.camera);
 }
 
 std::pair<cv::Mat1b, cv::Mat1b> Rectifier::rectify(const cv::Mat1b& left, const cv::Mat1b& right) const {
   if (identity_) return {left, right};
-  std::pair<cv::Mat1b, cv::Mat1b> rectified;
-  cv::remap(left, rectified.first, maps_[0].first, maps_[0].second, cv::INTER_LINEAR, cv::BORDER_CONSTANT);
-  cv::remap(right, rectified.second, maps_[1].first, maps_[1].second, cv::INTER_LINEAR, cv::BORDER_CONSTANT);
-  return rectified;
+  return {maps_[0].apply(left), maps_[1].apply(right)};
 }
 
 }  // namespace arpent::stereo

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "common/camera.h"
+#include "perception/stereo/remap.h"
 
 namespace arpent::stereo {
 
@@ -34,7 +35,7 @@ class Rectifier {
   RectifiedStereo stereo_;
   Pose T_body_rectified_ = Pose::Identity();
   bool identity_ = false;
-  std::array<std::pair<cv::Mat, cv::Mat>, 2> maps_;  ///< fixed point: CV_16SC2 and CV_16UC1
+  std::array<Remap, 2> maps_;
 };
 
 }  // namespace arpent::stereo

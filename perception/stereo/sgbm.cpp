@@ -2,12 +2,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "perception/stereo/sgbm.h"
 
-#include <algorithm>
 #include <opencv2/calib3d.hpp>
-#include <opencv2/imgproc.hpp>
 
 #include "perception/stereo/alignment.h"
 #include "perception/stereo/fill.h"
+#include "perception/stereo/reject.h"
 
 namespace arpent::stereo {
 namespace {
@@ -63,16 +62,6 @@ class SgbmMatcher : public StereoMatcher {
       }
     }
     return units;
-  }
-
-  /// Pixels within 10 px of a difference of more than 2 grey levels between neighbours.
-  static cv::Mat1b find_texture(const cv::Mat1b& image) {
-    cv::Mat1b smallest;
-    cv::Mat1b largest;
-    const cv::Mat kernel = cv::getStructuringElement(cv::MORPH_RECT, {21, 21});
-    cv::erode(image, smallest, kernel);
-    cv::dilate(image, largest, kernel);
-    return (largest - smallest) > 4;
   }
 
   int max_disparity_px_;

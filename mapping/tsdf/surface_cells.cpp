@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
 
 namespace arpent::mapping {
@@ -14,14 +15,34 @@ namespace {
 constexpr float kResidualNoises = 3.0F;
 /// Relative deviation of inverse depth that is a plane's even without noise (curved surfaces, rounding to millimetres).
 constexpr float kResidualRelative = 0.004F;
-constexpr float kMinPixels = 60;  // of the 144 around a cell
+constexpr float kCellResidualNoises = 1.5F;  // of a cell's mean
+constexpr float kMinCellPixels = 8;          // for such a mean
+constexpr float kMinPixels = 60;             // of the 144 around a cell
 constexpr float kMinCosine = 0.02F;
+constexpr int kMaxRimCells = 16;
 
 /// Sums over the valid pixels of a cell; u and v count from the cell's own corner.
 struct Moments {
   float n = 0, u = 0, v = 0, uu = 0, uv = 0, vv = 0;
   float q = 0, uq = 0, vq = 0, qq = 0;  // q = 1 / z
   float noise2 = 0;                     // variance of q
+};
+
+/// Four floats of a row: a vector type of gcc and clang, which makes SSE or NEON of it.
+using Row = float __attribute__((vector_size(16)));
+
+Row load(const cv::Mat1f& image, int u, int v) {
+  Row row;
+  std::memcpy(&row, image.ptr<float>(v) + u, sizeof row);
+  return row;
+}
+
+float sum(Row r) {
+  return (r[0] + r[1]) + (r[2] + r[3]);
+}
+
+struct CellMeans {
+  float n = 0, u = 0, v = 0, q = 0;
 };
 
 /// Adds `m`, whose pixels count from (du, dv).
@@ -73,8 +94,11 @@ Fit fit_plane(const Moments& m) {
 
 class Fitter {
  public:
-  Fitter(const stereo::DepthMap& depth, double min_range_m, double max_range_m)
-      : depth_(depth), nearest_(static_cast<float>(min_range_m)), farthest_(static_cast<float>(max_range_m)) {
+  Fitter(const stereo::DepthMap& depth, double min_range_m, double max_range_m, double rim_m)
+      : depth_(depth),
+        nearest_(static_cast<float>(min_range_m)),
+        farthest_(static_cast<float>(max_range_m)),
+        rim_m_(static_cast<float>(rim_m)) {
     cells_.cols = depth.depth_m.cols / kCellPx;
     cells_.rows = depth.depth_m.rows / kCellPx;
     const auto count = static_cast<std::size_t>(cells_.cols * cells_.rows);
@@ -84,84 +108,138 @@ class Fitter {
     cells_.most_m.resize(count);
     cells_.holes.resize(count);
     moments_.resize(count);
+    beside_.resize(count);
+    means_.resize(count);
   }
 
   SurfaceCells run() {
     for (int v = 0; v < cells_.rows; ++v) {
       for (int u = 0; u < cells_.cols; ++u) gather(u, v);
+      add_beside(v);
     }
     for (int v = 0; v < cells_.rows; ++v) {
       for (int u = 0; u < cells_.cols; ++u) fit(u, v);
     }
+    mark_rims();
     return std::move(cells_);
   }
 
  private:
+  /// Four pixels of a row at a time (bench `tsdf`: half of an integration's time at 0.1 m was here).
   void gather(int cell_u, int cell_v) {
-    const std::size_t at = cells_.at(cell_u, cell_v);
-    Moments m;
-    float least = std::numeric_limits<float>::max();
-    float most = 0;
+    static_assert(kCellPx == 4);
+    constexpr Row kColumn = {0, 1, 2, 3};
+    const Row zero = {};
+    Row n = {}, nv = {}, nvv = {}, q = {}, vq = {}, qq = {}, noise2 = {}, most = {};
+    Row least = zero + std::numeric_limits<float>::max();
     for (int v = 0; v < kCellPx; ++v) {
-      const float* z_row = depth_.depth_m.ptr<float>(kCellPx * cell_v + v) + kCellPx * cell_u;
-      const float* s_row = depth_.sigma_m.ptr<float>(kCellPx * cell_v + v) + kCellPx * cell_u;
-      for (int u = 0; u < kCellPx; ++u) {
-        const float z = z_row[u];
-        const bool valid = z >= nearest_ && z <= farthest_;  // false for NaN
-        const float one = valid ? 1.0F : 0.0F;
-        const float q = valid ? 1.0F / z : 0.0F;
-        const float noise = valid ? s_row[u] * q * q : 0.0F;
-        const auto fu = static_cast<float>(u);
-        const auto fv = static_cast<float>(v);
-        m.n += one;
-        m.u += one * fu;
-        m.v += one * fv;
-        m.uu += one * fu * fu;
-        m.uv += one * fu * fv;
-        m.vv += one * fv * fv;
-        m.q += q;
-        m.uq += fu * q;
-        m.vq += fv * q;
-        m.qq += q * q;
-        m.noise2 += noise * noise;
-        least = valid ? std::min(least, z) : least;
-        most = valid ? std::max(most, z) : most;
-      }
+      const auto fv = static_cast<float>(v);
+      const Row z = load(depth_.depth_m, kCellPx * cell_u, kCellPx * cell_v + v);
+      const Row sigma = load(depth_.sigma_m, kCellPx * cell_u, kCellPx * cell_v + v);
+      const auto valid = (z >= nearest_) & (z <= farthest_);  // false for NaN
+      const Row one = valid ? zero + 1 : zero;
+      const Row inverse = valid ? 1 / z : zero;
+      const Row noise = valid ? sigma * inverse * inverse : zero;
+      n += one;
+      nv += fv * one;
+      nvv += fv * fv * one;
+      q += inverse;
+      vq += fv * inverse;
+      qq += inverse * inverse;
+      noise2 += noise * noise;
+      least = valid & (z < least) ? z : least;
+      most = valid & (z > most) ? z : most;
     }
-    moments_[at] = m;
-    cells_.least_m[at] = least;
-    cells_.most_m[at] = most;
-    cells_.holes[at] = m.n < kCellPx * kCellPx ? 1 : 0;
+    const std::size_t at = cells_.at(cell_u, cell_v);
+    moments_[at] = {.n = sum(n),
+                    .u = sum(n * kColumn),
+                    .v = sum(nv),
+                    .uu = sum(n * kColumn * kColumn),
+                    .uv = sum(nv * kColumn),
+                    .vv = sum(nvv),
+                    .q = sum(q),
+                    .uq = sum(q * kColumn),
+                    .vq = sum(vq),
+                    .qq = sum(qq),
+                    .noise2 = sum(noise2)};
+    const float inv = 1.0F / std::max(moments_[at].n, 1.0F);
+    means_[at] = {moments_[at].n, moments_[at].u * inv, moments_[at].v * inv, moments_[at].q * inv};
+    cells_.least_m[at] = std::min({least[0], least[1], least[2], least[3]});
+    cells_.most_m[at] = std::max({most[0], most[1], most[2], most[3]});
+    cells_.holes[at] = moments_[at].n < kCellPx * kCellPx ? 1 : 0;
   }
 
-  /// Mean residual of the cell (u, v) against a plane in the coordinates of cell (u0, v0).
-  [[nodiscard]] float mean_residual(const Fit& fit, int du, int dv, const Moments& m) const {
-    return m.q / m.n - (fit.a * (m.u / m.n + static_cast<float>(kCellPx * du)) +
-                        fit.b * (m.v / m.n + static_cast<float>(kCellPx * dv)) + fit.c);
+  /// Sums of each cell and its neighbours to the left and right.
+  void add_beside(int v) {
+    for (int u = 0; u < cells_.cols; ++u) {
+      Moments sum = moments_[cells_.at(u, v)];
+      if (u > 0) add_shifted(sum, moments_[cells_.at(u - 1, v)], -kCellPx, 0);
+      if (u + 1 < cells_.cols) add_shifted(sum, moments_[cells_.at(u + 1, v)], kCellPx, 0);
+      beside_[cells_.at(u, v)] = sum;
+    }
+  }
+
+  /// Planes within `rim_m` of an edge beyond which the scene lies farther than they reach become rims.
+  void mark_rims() {
+    for (int v = 0; v < cells_.rows; ++v) {
+      for (int u = 0; u < cells_.cols; ++u) {
+        if (cells_.kinds[cells_.at(u, v)] == CellKind::kEdge) mark_rims_around(u, v);
+      }
+    }
+  }
+
+  void mark_rims_around(int edge_u, int edge_v) {
+    const float farthest = cells_.most_m[cells_.at(edge_u, edge_v)];
+    const float x = ray_x(edge_u);
+    const float y = ray_y(edge_v);
+    const float width_px = rim_m_ * static_cast<float>(depth_.camera.fx_px) / cells_.least_m[cells_.at(edge_u, edge_v)];
+    const int width = std::clamp(static_cast<int>(width_px / kCellPx + 1), 1, kMaxRimCells);
+    for (int v = std::max(edge_v - width, 0); v <= std::min(edge_v + width, cells_.rows - 1); ++v) {
+      for (int u = std::max(edge_u - width, 0); u <= std::min(edge_u + width, cells_.cols - 1); ++u) {
+        const std::size_t at = cells_.at(u, v);
+        if (cells_.kinds[at] != CellKind::kPlane) continue;
+        const Cell& plane = cells_.planes[at];
+        const float slope = -(plane.nx * x + plane.ny * y + plane.nz);
+        // Where the plane would meet the edge's ray: slope * z = offset.
+        if (slope * (farthest - rim_m_) > plane.offset_m) cells_.kinds[at] = CellKind::kRim;
+      }
+    }
+  }
+
+  [[nodiscard]] float ray_x(int cell_u) const {
+    return (static_cast<float>(kCellPx * cell_u) + 1.5F - static_cast<float>(depth_.camera.cx_px)) /
+           static_cast<float>(depth_.camera.fx_px);
+  }
+  [[nodiscard]] float ray_y(int cell_v) const {
+    return (static_cast<float>(kCellPx * cell_v) + 1.5F - static_cast<float>(depth_.camera.cy_px)) /
+           static_cast<float>(depth_.camera.fy_px);
+  }
+
+  /// Mean residual of a cell against a plane in the coordinates of the cell that lies (-du, -dv) cells from it.
+  [[nodiscard]] static float mean_residual(const Fit& fit, int du, int dv, const CellMeans& m) {
+    return m.q - (fit.a * (m.u + static_cast<float>(kCellPx * du)) + fit.b * (m.v + static_cast<float>(kCellPx * dv)) +
+                  fit.c);
   }
 
   void fit(int cell_u, int cell_v) {
     const std::size_t at = cells_.at(cell_u, cell_v);
     if (moments_[at].n == 0) return;
     cells_.kinds[at] = CellKind::kEdge;
-    Moments sum;
     const int u0 = std::max(cell_u - 1, 0), u1 = std::min(cell_u + 1, cells_.cols - 1);
     const int v0 = std::max(cell_v - 1, 0), v1 = std::min(cell_v + 1, cells_.rows - 1);
-    for (int v = v0; v <= v1; ++v) {
-      for (int u = u0; u <= u1; ++u) {
-        add_shifted(sum, moments_[cells_.at(u, v)], static_cast<float>(kCellPx * (u - cell_u)),
-                    static_cast<float>(kCellPx * (v - cell_v)));
-      }
+    Moments sum = beside_[at];
+    for (const int v : {v0, v1}) {
+      if (v != cell_v) add_shifted(sum, beside_[cells_.at(cell_u, v)], 0, static_cast<float>(kCellPx * (v - cell_v)));
     }
     const Fit fit = fit_plane(sum);
     const float mean = sum.q / std::max(1.0F, sum.n);
     if (!fit.ok || fit.rms > kResidualNoises * fit.noise + kResidualRelative * mean) return;
+    const float most = kCellResidualNoises * fit.noise + kResidualRelative * mean;
     for (int v = v0; v <= v1; ++v) {
       for (int u = u0; u <= u1; ++u) {
-        const Moments& m = moments_[cells_.at(u, v)];
-        if (m.n < 8) continue;
-        if (std::abs(mean_residual(fit, u - cell_u, v - cell_v, m)) > 1.5F * fit.noise + kResidualRelative * mean)
-          return;
+        const CellMeans& m = means_[cells_.at(u, v)];
+        if (m.n < kMinCellPixels) continue;
+        if (std::abs(mean_residual(fit, u - cell_u, v - cell_v, m)) > most) return;
       }
     }
     set_plane(at, fit, cell_u, cell_v);
@@ -179,10 +257,8 @@ class Fitter {
     const float length = std::sqrt(x * x + y * y + z * z);
     if (!(length > 1e-6F)) return;
     // Seen too flatly, the plane says nothing about distance.
-    const float centre_u = (static_cast<float>(kCellPx * cell_u) + 1.5F - static_cast<float>(camera.cx_px)) /
-                           static_cast<float>(camera.fx_px);
-    const float centre_v = (static_cast<float>(kCellPx * cell_v) + 1.5F - static_cast<float>(camera.cy_px)) /
-                           static_cast<float>(camera.fy_px);
+    const float centre_u = ray_x(cell_u);
+    const float centre_v = ray_y(cell_v);
     const float ray = std::sqrt(centre_u * centre_u + centre_v * centre_v + 1.0F);
     if ((x * centre_u + y * centre_v + z) / (length * ray) < kMinCosine) return;
     cells_.planes[at] = {-x / length, -y / length, -z / length, 1.0F / length};
@@ -192,14 +268,17 @@ class Fitter {
   const stereo::DepthMap& depth_;
   float nearest_;
   float farthest_;
+  float rim_m_;
   SurfaceCells cells_;
   std::vector<Moments> moments_;
+  std::vector<Moments> beside_;
+  std::vector<CellMeans> means_;
 };
 
 }  // namespace
 
-SurfaceCells fit_surface_cells(const stereo::DepthMap& depth, double min_range_m, double max_range_m) {
-  return Fitter(depth, min_range_m, max_range_m).run();
+SurfaceCells fit_surface_cells(const stereo::DepthMap& depth, double min_range_m, double max_range_m, double rim_m) {
+  return Fitter(depth, min_range_m, max_range_m, rim_m).run();
 }
 
 }  // namespace arpent::mapping

@@ -20,6 +20,7 @@ enum class CellKind : std::uint8_t {
   kNone = 0,   ///< nothing measured
   kPlane = 1,  ///< `normal . p + offset` is the distance of p to the surface, positive on the camera's side
   kEdge = 2,   ///< depths that no plane fits: an edge, clutter; ask the pixels
+  kRim = 3,  ///< a plane like kPlane, but near an edge: what lies far behind it along the ray may be beyond the object
 };
 
 struct Cell {
@@ -41,7 +42,9 @@ struct SurfaceCells {
   }
 };
 
-/// `depth`: only pixels with finite depth in [min_range_m, max_range_m] count.
-[[nodiscard]] SurfaceCells fit_surface_cells(const stereo::DepthMap& depth, double min_range_m, double max_range_m);
+/// `depth`: only pixels with finite depth in [min_range_m, max_range_m] count. Where the depth
+/// steps by more than `rim_m`, the nearer side is a rim of that width.
+[[nodiscard]] SurfaceCells fit_surface_cells(const stereo::DepthMap& depth, double min_range_m, double max_range_m,
+                                             double rim_m);
 
 }  // namespace arpent::mapping

@@ -28,6 +28,9 @@ constexpr double kKeyframeMotionPx = 60;  // and before appearance has changed t
 constexpr double kFromKeyframePx = 24;
 constexpr std::size_t kWindowKeyframes = 6;
 constexpr int kMinSpreadCells = 6;
+/// What is believed of the disparity offset at first, and how much it may change from keyframe to keyframe [px].
+constexpr double kOffsetSigmaPx = 0.1;
+constexpr double kOffsetWalkPx = 0.002;
 
 /// A point that is followed, or that was and still ties keyframes of the window together.
 struct Track {
@@ -72,6 +75,7 @@ struct StereoOdometry::State {
   Pose T_last_now = Pose::Identity();  ///< the last step, for prediction
   Matrix6d keyframe_covariance = Matrix6d::Zero();
   std::uint64_t pairs = 0;
+  DisparityOffset offset{0, kOffsetSigmaPx* kOffsetSigmaPx};
 
   /// What one pair gave: measurements and the tracks they belong to.
   struct Measured {
@@ -144,15 +148,15 @@ struct StereoOdometry::State {
       const Track& track = tracks[live[k]];
       const double depth_m = std::max(0.1, (T_guess.inverse() * track.p_odom_m).z());
       left_px.push_back(*found[k]);
-      right_guess.emplace_back(found[k]->x - static_cast<float>(stereo.baseline_m * stereo.camera.fx_px / depth_m),
-                               found[k]->y);
+      right_guess.emplace_back(
+          found[k]->x - static_cast<float>(stereo.baseline_m * stereo.camera.fx_px / depth_m - offset.px), found[k]->y);
       measured.track.push_back(live[k]);
     }
     const auto right_u = refine_right(left, right, left_px, right_guess);
     for (std::size_t k = 0; k < left_px.size(); ++k) {
       const Track& track = tracks[measured.track[k]];
       measured.measurements.push_back({track.p_odom_m, track.covariance_m2,
-                                       Vector3d(left_px[k].x, left_px[k].y, right_u[k].value_or(0.0F)),
+                                       Vector3d(left_px[k].x, left_px[k].y, right_u[k].value_or(0.0F) - offset.px),
                                        right_u[k].has_value()});
     }
     measured.solution =
@@ -211,7 +215,8 @@ struct StereoOdometry::State {
       for (std::size_t k = 0; k < measured->track.size(); ++k) {
         if (!measured->solution.inlier[k]) continue;
         const PointMeasurement& m = measured->measurements[k];
-        tracks[measured->track[k]].seen.emplace_back(number, Observation{0, m.z_px, m.has_right});
+        const Vector3d raw_px = m.z_px + Vector3d(0, 0, offset.px);
+        tracks[measured->track[k]].seen.emplace_back(number, Observation{0, raw_px, m.has_right});
       }
       refine_keyframes();
     }
@@ -238,7 +243,8 @@ struct StereoOdometry::State {
       points.push_back(std::move(point));
       owners.push_back(&track);
     }
-    refine_window(stereo, kPixelSigmaPx, 1, poses, points);
+    offset.variance_px2 += kOffsetWalkPx * kOffsetWalkPx;
+    refine_window(stereo, kPixelSigmaPx, 1, 1.0 / static_cast<double>(kWindowKeyframes), poses, points, offset);
     for (std::size_t i = 0; i < points.size(); ++i) {
       owners[i]->p_odom_m = points[i].p_odom_m;
       owners[i]->covariance_m2 = points[i].covariance_m2;
@@ -259,12 +265,12 @@ struct StereoOdometry::State {
     for (const Track& track : tracks) {
       if (track.alive) taken.push_back(track.px);
     }
-    const auto corners = find_corners(left.image, taken, kCellPx, 2);
+    const auto corners = find_corners(left, taken, kCellPx, 2);
     const auto right_u = match_right(left, right, corners, max_disparity_px());
     for (std::size_t i = 0; i < corners.size(); ++i) {
       if (!right_u[i]) continue;
       const Vector3d z(corners[i].x, corners[i].y, *right_u[i]);
-      const Vector3d p_cam = triangulate(stereo, z);
+      const Vector3d p_cam = triangulate(stereo, z - Vector3d(0, 0, offset.px));
       const Matrix3d J = T_odom_cam.linear() * project_jacobian(stereo, p_cam).inverse();
       Track track{corners[i], corners[i], T_odom_cam * p_cam, kPixelSigmaPx * kPixelSigmaPx * J * J.transpose(), {}};
       track.seen.emplace_back(number, Observation{0, z, true});
@@ -348,6 +354,10 @@ StereoOdometry::StereoOdometry(const RectifiedStereo& stereo, const OdometryPara
 StereoOdometry::~StereoOdometry() = default;
 StereoOdometry::StereoOdometry(StereoOdometry&&) noexcept = default;
 StereoOdometry& StereoOdometry::operator=(StereoOdometry&&) noexcept = default;
+
+DisparityOffset StereoOdometry::disparity_offset() const {
+  return state_->offset;
+}
 
 Estimate StereoOdometry::track(Time stamp, const cv::Mat1b& left, const cv::Mat1b& right) {
   State& state = *state_;

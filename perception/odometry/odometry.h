@@ -15,6 +15,7 @@
 #include "common/config/fields.h"
 #include "common/geometry.h"
 #include "common/time.h"
+#include "perception/odometry/stereo_projection.h"
 
 namespace arpent::odometry {
 
@@ -59,6 +60,8 @@ class StereoOdometry {
   /// Takes the next pair (8-bit, the camera's size) and returns exactly one estimate. The first pair has the identity
   /// pose and status OK if it has enough points. Deterministic.
   [[nodiscard]] Estimate track(Time stamp, const cv::Mat1b& left, const cv::Mat1b& right);
+  /// What all disparities were found to be short of so far: a calibration that is good keeps it below 0.3 px.
+  [[nodiscard]] DisparityOffset disparity_offset() const;
 
  private:
   struct State;

@@ -15,6 +15,14 @@ namespace arpent::odometry {
 using Vector3d = Eigen::Vector3d;
 using Matrix3d = Eigen::Matrix3d;
 
+/// What every disparity is short of: a small angle between the cameras that the calibration does not know, or what the
+/// images make of it, shifts all disparities alike, and with them the scale of the motion. Structure from motion tells
+/// it from true depth: near and far points of one rigid scene do not agree otherwise.
+struct DisparityOffset {
+  double px = 0;  ///< u_right of a point is its measured one minus this
+  double variance_px2 = 0;
+};
+
 /// (u_left, v, u_right) of a point [m] in the left camera's frame, z > 0.
 [[nodiscard]] inline Vector3d project(const RectifiedStereo& stereo, const Vector3d& p_cam_m) {
   const PinholeCamera& c = stereo.camera;

@@ -29,8 +29,8 @@ struct Pyramid {
 [[nodiscard]] cv::Point2d measure_shift(const cv::Mat1b& from, const cv::Mat1b& to);
 
 /// Up to `per_cell` strongest Shi-Tomasi corners in each cell of `cell_px` that has fewer than that among `taken_px`,
-/// at least `cell_px / 4` apart, refined to subpixels.
-[[nodiscard]] std::vector<cv::Point2f> find_corners(const cv::Mat1b& image, const std::vector<cv::Point2f>& taken_px,
+/// at least `cell_px / 4` apart, at even pixels.
+[[nodiscard]] std::vector<cv::Point2f> find_corners(const Pyramid& pyramid, const std::vector<cv::Point2f>& taken_px,
                                                     int cell_px, int per_cell);
 
 /// For each pixel of the left image its column in the right one, searched along the row among disparities 0 to

@@ -14,7 +14,7 @@ namespace arpent::odometry {
 
 struct Observation {
   int keyframe = 0;  ///< index into the poses
-  Vector3d z_px;     ///< (u_left, v, u_right)
+  Vector3d z_px;     ///< (u_left, v, u_right) as measured, without the disparity offset
   bool has_right = false;
 };
 
@@ -25,8 +25,9 @@ struct WindowPoint {
 };
 
 /// Levenberg-Marquardt with a Cauchy loss. The first `fixed` poses stay as they are. Points behind a camera do not
-/// count.
-void refine_window(const RectifiedStereo& stereo, double pixel_sigma_px, int fixed, std::vector<Pose>& T_odom_cam,
-                   std::vector<WindowPoint>& points);
+/// count. The offset is refined with them: in, what is believed of it; out, what the window adds to that. As an
+/// observation takes part in several windows, its information is counted by `information_share`.
+void refine_window(const RectifiedStereo& stereo, double pixel_sigma_px, int fixed, double information_share,
+                   std::vector<Pose>& T_odom_cam, std::vector<WindowPoint>& points, DisparityOffset& offset);
 
 }  // namespace arpent::odometry

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "perception/process/odometry_process.h"
 
+#include <cmath>
 #include <optional>
 
 #include "common/bus/typed.h"
@@ -12,6 +13,11 @@
 #include "perception/stereo/wire.h"
 
 namespace arpent {
+namespace {
+
+constexpr double kMaxDisparityOffsetPx = 0.3;
+
+}  // namespace
 
 struct OdometryProcess::State {
   Bus& bus;
@@ -40,6 +46,12 @@ struct OdometryProcess::State {
     return repeated;
   }
 
+  /// Beyond doubt: by more than three deviations.
+  [[nodiscard]] bool disparities_are_off() const {
+    const odometry::DisparityOffset offset = odometry.disparity_offset();
+    return std::abs(offset.px) - 3 * std::sqrt(offset.variance_px2) > kMaxDisparityOffsetPx;
+  }
+
   odometry::BodyOdometry estimate(const stereo::StereoPair& pair) {
     const auto [left, right] = rectifier.rectify(pair.left, pair.right);
     return to_body(odometry.track(pair.stamp, left, right), pair.sequence, T_body_cam, last ? &*last : nullptr);
@@ -66,6 +78,9 @@ void OdometryProcess::on_pair(const stereo_images_t& message) {
   }
   state_->last =
       fault.empty() ? state_->estimate(*pair) : state_->lost(from_utime(message.utime), message.sequence, fault);
+  if (state_->disparities_are_off()) {
+    state_->bus.health().warn("disparities are off by more than 0.3 px everywhere: calibrate the rig again");
+  }
   if (state_->last->status != odometry::Status::kOk) state_->bus.health().warn("odometry: " + state_->last->reason);
   publish(state_->bus, channels::kOdometry, to_wire(*state_->last));
 }

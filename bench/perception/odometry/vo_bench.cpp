@@ -2,13 +2,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
 // bench `vo`: the odometry on the public KITTI clip ($ARPENT_DATA/vo), forwards and backwards, and at rest under fresh
-// noise.
+// noise; and a creep through the rendered arena.
 #include <algorithm>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 
 #include "bench/harness.h"
 #include "perception/odometry/odometry.h"
+#include "sim/sequence.h"
 #include "tools/datasets/dataset.h"
 #include "tools/evaluation/trajectory.h"
 
@@ -91,8 +92,29 @@ double standstill_mm(const Clip& clip) {
   return 1e3 * estimate.T_odom_cam.translation().norm();
 }
 
+/// A creep of 2 mm per pair through the rendered arena: error of the last position.
+double creep_error_mm() {
+  constexpr int kPairs = 100;
+  constexpr double kStepM = 0.002;
+  const RectifiedStereo stereo{{640, 512, 377, 377, 319.5, 255.5}, 0.26};
+  const sim::Scene scene = sim::make_test_arena();
+  Pose T_body_cam(R_body_from_camera_axes());
+  T_body_cam.translation() = Eigen::Vector3d(0.2, 0.13, 0.4);
+  odometry::StereoOdometry odometry(stereo, {});
+  odometry::Estimate estimate;
+  for (int i = 0; i < kPairs; ++i) {
+    sim::DrivePose pose;
+    pose.T_world_body.translation() = Eigen::Vector3d(1.0 + kStepM * i, 2.4, 0);
+    const auto pair = sim::render_pair(scene, stereo, T_body_cam, pose, static_cast<std::uint64_t>(i));
+    estimate = odometry.track(Time(std::chrono::milliseconds(100 * i)), pair.left, pair.right);
+  }
+  // Straight ahead is the camera's z.
+  return 1e3 * (estimate.T_odom_cam.translation() - Eigen::Vector3d(0, 0, kStepM * (kPairs - 1))).norm();
+}
+
 void body(bench::Report& report) {
   cv::setNumThreads(1);
+  report.add("vo.creep_error_mm", creep_error_mm(), "mm", "bar <= 10");
   if (bench::data_dir().empty()) {
     std::printf("ARPENT_DATA is not set: the KITTI figures are left out\n");
     return;

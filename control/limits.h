@@ -7,14 +7,9 @@
 #include <algorithm>
 
 #include "common/config/fields.h"
+#include "common/twist2.h"
 
 namespace arpent::control {
-
-/// Speed along the heading and turn rate (counter-clockwise) of the body.
-struct Twist2 {
-  double speed_mps = 0;
-  double turn_rate_radps = 0;
-};
 
 struct Limits {
   double max_speed_mps = 0.5;

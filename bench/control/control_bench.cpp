@@ -2,7 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
 // bench `control`: the path tracker on a plant with lag, delay, a wrong yaw gain and pose noise, over paths with turns
-// of 0.5 m radius: errors across the path and CPU time of a step.
+// of 0.5 m radius: errors across the path and CPU time of a step; and the dead man's
+// switch of the base driver under random stops.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -11,6 +12,8 @@
 
 #include "bench/harness.h"
 #include "control/path_tracker.h"
+#include "drivers/base/agilex_driver.h"
+#include "drivers/can/memory_bus.h"
 #include "tests/control/plant.h"
 
 namespace arpent {
@@ -82,7 +85,48 @@ double quantile(std::vector<double> values, double q) {
   return *at;
 }
 
+/// Random stops of a stream of commands: how often the first zero command left later than the dead man's time and one
+/// cycle after the last command came, and the latest. On a fake clock, with cycles that jitter.
+std::pair<int, double> dead_man(int stops) {
+  constexpr double kCycleS = 0.02;
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> uniform(0, 1);
+  can::MemoryBus bus;
+  const auto port = bus.open("driver"), listener = bus.open("listener");
+  base::AgilexDriver driver({}, *port);
+  (void)driver.gate().arm();
+  Time now = from_utime(1000000);
+  Time last_command = now, next_command = now;
+  int misses = 0;
+  double latest_ms = 0;
+  for (int stop = 0; stop < stops; ++stop) {
+    const Time stop_at = now + from_seconds(0.05 + 0.4 * uniform(random));
+    for (bool moving = true; moving || now < stop_at;) {
+      now += from_seconds(kCycleS * (0.9 + 0.1 * uniform(random)));
+      for (; next_command <= now && next_command < stop_at; next_command += from_seconds(0.1 * uniform(random))) {
+        if (!driver.gate().offer({0.3, 0}, next_command)) last_command = next_command;
+      }
+      bus.advance(now);
+      (void)driver.step(now);
+      bus.advance(now + from_seconds(0.001));
+      while (const auto heard = listener->receive()) {
+        if (const auto motion = base::agilex::decode_motion(heard->frame)) moving = motion->speed_mps != 0;
+      }
+    }
+    const double ms = 1e3 * to_seconds(now - last_command);
+    latest_ms = std::max(latest_ms, ms);
+    misses += ms > 200 + 1e3 * kCycleS ? 1 : 0;
+    next_command = now;
+    last_command = now;
+    (void)driver.gate().offer({}, now);
+  }
+  return {misses, latest_ms};
+}
+
 void body(bench::Report& report) {
+  const auto [misses, latest_ms] = dead_man(100000);
+  report.add("deadman.misses", misses, "1", "bar 0; of 100000 stops on a fake clock");
+  report.add("deadman.latest_ms", latest_ms, "ms");
   Errors errors;
   int arrived = 0;
   for (unsigned seed = 1; seed <= kSeeds; ++seed) {

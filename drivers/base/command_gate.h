@@ -1,0 +1,60 @@
+// SPDX-FileCopyrightText: The arpent authors
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// What stands between a command and the wheels: arming, the dead man's switch, the latched emergency stop, the limits.
+// It knows no bus and no protocol, and takes time as an argument, so the live driver, lockstep and tests run the same
+// code.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "common/time.h"
+#include "common/twist2.h"
+
+namespace arpent::base {
+
+struct GateParams {
+  double max_speed_mps = 0.5;
+  double max_turn_rate_radps = 1.0;
+  /// A command counts for this long after it was received, by the local monotonic clock.
+  Duration command_lifetime{200000};
+};
+
+enum class GateState : std::int8_t { kDisarmed = 0, kArmed = 1, kStopped = 2 };
+
+class CommandGate {
+ public:
+  explicit CommandGate(const GateParams& params) : params_(params) {}
+
+  /// A command that has just been received. A reason if it is refused: not finite, beyond a limit by more than
+  /// rounding, not armed, or non-zero since before the gate was armed.
+  [[nodiscard]] std::optional<std::string> offer(const Twist2& command, Time received);
+  /// What the wheels shall do now: the last accepted command, or zero.
+  [[nodiscard]] Twist2 output(Time now) const;
+
+  /// Local acts. Arming is refused while stopped; releasing the stop needs zero commands (or none) and leaves the gate
+  /// disarmed. A reason if refused.
+  [[nodiscard]] std::optional<std::string> arm();
+  void disarm();
+  /// Anybody may stop, at any time.
+  void stop() { state_ = GateState::kStopped; }
+  [[nodiscard]] std::optional<std::string> release(Time now);
+
+  [[nodiscard]] GateState state() const { return state_; }
+
+ private:
+  [[nodiscard]] bool fresh(Time now) const { return now - received_ <= params_.command_lifetime && now >= received_; }
+
+  GateParams params_;
+  GateState state_ = GateState::kDisarmed;
+  bool seen_zero_ = false;  ///< since arming: commands that were already flowing must pause first
+  std::optional<Twist2> accepted_;
+  Time received_{};
+  /// Any finite command, accepted or not.
+  std::optional<Twist2> heard_;
+  Time heard_at_{};
+};
+
+}  // namespace arpent::base

@@ -13,7 +13,9 @@ namespace arpent::stereo {
 /// disparity, to kMissing.
 void remove_speckles(cv::Mat1w& px128, int min_pixels);
 
-/// Not 0 at pixels within 10 px of a difference of more than 4 grey levels.
-[[nodiscard]] cv::Mat1b find_texture(const cv::Mat1b& image);
+/// Sets pixels to kMissing around which (22 x 22 pixels) the right image does not show what the left one does:
+/// differences along the row, of matched pixels, must correlate. Where there is no texture, noise is matched to noise,
+/// and what comes of it is invented.
+void remove_unconfirmed(const cv::Mat1b& left, const cv::Mat1b& right, cv::Mat1w& px128);
 
 }  // namespace arpent::stereo

@@ -33,7 +33,8 @@ class SgbmMatcher : public StereoMatcher {
     cv::Mat1s raw;
     sgbm_->compute(pad(left), pad(right), raw);
     Disparities result;
-    result.trusted = to_units(raw, left);
+    result.trusted = to_units(raw);
+    remove_unconfirmed(left, right, result.trusted);
     result.filled = result.trusted.clone();
     fill_from_background(result.filled);
     result.sigma_px = cv::Mat1f(left.size(), 0.0F);
@@ -51,13 +52,12 @@ class SgbmMatcher : public StereoMatcher {
 
   /// Cuts the padding off and drops what cannot be trusted: beyond the range, out of the right image, or without
   /// texture (where the least cost says nothing).
-  [[nodiscard]] cv::Mat1w to_units(const cv::Mat1s& raw, const cv::Mat1b& left) const {
-    cv::Mat1w units(left.size(), kMissing);
-    const cv::Mat1b textured = find_texture(left);
-    for (int v = 0; v < left.rows; ++v) {
-      for (int u = 0; u < left.cols; ++u) {
+  [[nodiscard]] cv::Mat1w to_units(const cv::Mat1s& raw) const {
+    cv::Mat1w units(raw.rows, raw.cols - range_, kMissing);
+    for (int v = 0; v < units.rows; ++v) {
+      for (int u = 0; u < units.cols; ++u) {
         const int d = raw(v, u + range_) * kUnitsPerOpenCvUnit;
-        if (d < 0 || d >= max_disparity_px_ * 128 || d > u * 128 || textured(v, u) == 0) continue;
+        if (d < 0 || d >= max_disparity_px_ * 128 || d > u * 128) continue;
         units(v, u) = static_cast<std::uint16_t>(d);
       }
     }

@@ -113,6 +113,9 @@ TEST_F(ReplayTest, SeekDurationAndStepChooseThePairs) {
 }
 
 TEST_F(ReplayTest, LiveProcessesGiveTheSameDepthAndMap) {
+#ifdef __SANITIZE_THREAD__
+  GTEST_SKIP() << "stereo under the thread sanitizer does not keep up with real time, and a live process drops pairs";
+#endif
   const ReplayInput input = open_log(log(), folder(), "", {});
   const ReplayResult lockstep = run_lockstep(input, {});
   const ReplayResult live = run_live(input, {}, ARPENT_BIN_DIR, folder() / "live");

@@ -47,8 +47,7 @@ constexpr double kMostSmoothingPx = 2.0;
 
 /// The pair as it is or, in the dark, smoothed in proportion to its noise: comparisons of grey levels are what suffers
 /// most from noise (bench `elas`, `elas.bad2_noise5`).
-std::pair<cv::Mat1b, cv::Mat1b> calm(const cv::Mat1b& left, const cv::Mat1b& right) {
-  const double noise = std::max(estimate_noise(left), estimate_noise(right));
+std::pair<cv::Mat1b, cv::Mat1b> calm(const cv::Mat1b& left, const cv::Mat1b& right, double noise) {
   if (noise < kNoticeableNoise) return {left, right};
   std::pair<cv::Mat1b, cv::Mat1b> pair;
   const double smoothing_px = std::min(kSmoothingPerNoise * noise, kMostSmoothingPx);
@@ -72,7 +71,8 @@ class ElasMatcher : public StereoMatcher {
 
   Disparities match(const cv::Mat1b& left_raw, const cv::Mat1b& right_raw) override {
     cv::setNumThreads(1);
-    const auto [left, right] = calm(left_raw, right_raw);
+    const double noise = std::max(estimate_noise(left_raw), estimate_noise(right_raw));
+    const auto [left, right] = calm(left_raw, right_raw, noise);
     const cv::Mat1b left_half = halve(left);
     const cv::Mat1b right_half = halve(right);
     LevelMatch quarter = match_whole_range(halve(left_half), halve(right_half), range_px_ / 4 + 2, kCoarseSmoothness);
@@ -85,7 +85,7 @@ class ElasMatcher : public StereoMatcher {
     LevelMatch full;
     full_matcher_.match(left, right, candidates_from(half, left.size(), range_px_), full);
     remove_speckles(full.px128, kFineSpeckle);
-    return finish(left, right, full);
+    return finish(left_raw, right_raw, full);
   }
 
  private:
@@ -98,7 +98,8 @@ class ElasMatcher : public StereoMatcher {
   }
 
   [[nodiscard]] Disparities finish(const cv::Mat1b& left, const cv::Mat1b& right, LevelMatch& full) const {
-    full.px128.setTo(kMissing, find_texture(left) == 0);
+    // On the images as they came: smoothed noise is alike more often.
+    remove_unconfirmed(left, right, full.px128);
     full.px128.setTo(kMissing, full.px128 >= range_px_ * kUnitsPerPixel);
     Disparities result;
     result.filled = full.px128.clone();

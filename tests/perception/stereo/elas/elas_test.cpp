@@ -106,6 +106,42 @@ TEST(Elas, ANearPostBeforeAWallKeepsBothSurfaces) {
   EXPECT_GT(wall_right, 224 * 140 * 98 / 100);
 }
 
+TEST(Elas, NoDepthIsInventedOnAWallWithoutTextureHoweverNoisyTheCameras) {
+  for (const double sigma : {0.5, 1.0, 2.0, 4.0, 8.0}) {
+    cv::Mat1b pair[2];
+    for (int k = 0; k < 2; ++k) {
+      cv::Mat1s noise(256, 320);
+      cv::RNG(static_cast<std::uint64_t>(k + 1)).fill(noise, cv::RNG::NORMAL, 90, sigma);
+      noise.convertTo(pair[k], CV_8U);
+    }
+    const Disparities d = match(pair[0], pair[1], 96);
+    EXPECT_LT(cv::countNonZero(d.trusted != kMissing), 256 * 320 / 100) << sigma;
+  }
+}
+
+TEST(Elas, FaintTextureIsSeenThroughNoiseOfItsOwnStrength) {
+  const cv::Mat1b strong = texture(256, 320, 1);
+  cv::Mat1b faint;
+  strong.convertTo(faint, CV_8U, 0.07, 80);  // deviation about 2.5 grey levels
+  cv::Mat1b pair[2] = {faint, Slanted{12, 0, 0}.right_of(faint)};
+  for (int k = 0; k < 2; ++k) {
+    cv::Mat1s noise(faint.size());
+    cv::RNG(static_cast<std::uint64_t>(k + 1)).fill(noise, cv::RNG::NORMAL, 0, 1.5);
+    cv::add(pair[k], noise, pair[k], cv::noArray(), CV_8U);
+  }
+  const Disparities d = match(pair[0], pair[1], 64);
+  int trusted = 0, right = 0;
+  for (int v = 8; v < 248; ++v) {
+    for (int u = 24; u < 312; ++u) {
+      if (d.trusted(v, u) == kMissing) continue;
+      ++trusted;
+      right += std::abs(d.trusted(v, u) / 128.0 - 12) < 1 ? 1 : 0;
+    }
+  }
+  EXPECT_GT(trusted, 240 * 288 / 2);
+  EXPECT_GT(right, trusted * 93 / 100);
+}
+
 TEST(Elas, TheStatedDeviationFitsTheErrors) {
   const PinholeCamera camera{320, 256, 188.5, 188.5, 159.5, 127.5};
   const sim::Scene scene = sim::make_test_arena();

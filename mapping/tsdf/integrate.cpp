@@ -6,8 +6,8 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <thread>
 
+#include "common/parallel.h"
 #include "mapping/tsdf/storage.h"
 #include "mapping/tsdf/surface_cells.h"
 
@@ -192,19 +192,6 @@ bool View::update(Block& block) const {
   return changed;
 }
 
-/// Calls `work(i)` for 0 <= i < count, divided in equal parts among threads. What is done to one i must not depend on
-/// the others.
-template <class Work>
-void for_each_block(std::size_t count, int threads, const Work& work) {
-  const auto run_part = [&](std::size_t part, std::size_t parts) {
-    for (std::size_t i = count * part / parts; i < count * (part + 1) / parts; ++i) work(i);
-  };
-  const auto parts = static_cast<std::size_t>(std::max(1, threads));
-  std::vector<std::jthread> helpers;
-  for (std::size_t part = 1; part < parts; ++part) helpers.emplace_back(run_part, part, parts);
-  run_part(0, parts);
-}
-
 bool usable(const stereo::DepthMap& depth, const Pose& T_map_cam, double block_edge_m) {
   return T_map_cam.matrix().allFinite() &&
          (T_map_cam.translation() / block_edge_m).cwiseAbs().maxCoeff() < kMaxBlocksFromOrigin &&
@@ -233,8 +220,11 @@ bool TsdfMap::integrate(const stereo::DepthMap& depth, const Pose& T_map_cam) {
     blocks.push_back(fresh[i] ? fresh[i].get() : found->second);
   }
   std::vector<std::uint8_t> changed(indices.size());
-  for_each_block(indices.size(), map.params.threads,
-                 [&](std::size_t i) { changed[i] = view.update(*blocks[i]) ? 1 : 0; });
+  parallel_for(map.params.threads, static_cast<int>(indices.size()), [&](int begin, int end) {
+    for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
+      changed[i] = view.update(*blocks[i]) ? 1 : 0;
+    }
+  });
   for (std::size_t i = 0; i < indices.size(); ++i) {
     if (changed[i] == 0) continue;
     blocks[i]->revision = map.revision;

@@ -11,32 +11,10 @@
 #include "common/parallel.h"
 #include "perception/stereo/elas/census.h"
 #include "perception/stereo/elas/lanes.h"
+#include "perception/stereo/elas/smoothness.h"
 #include "perception/stereo/elas/winner.h"
 
 namespace arpent::stereo {
-namespace {
-
-/// Cost of a candidate that lies beyond the right image: what two unrelated descriptors differ by on average.
-constexpr std::uint8_t kOutOfViewCost = kCensusBits / 2;
-/// Grey levels between neighbours from which on a jump gets cheaper.
-constexpr int kSmoothGradient = 8;
-/// A jump stays dearer than a step by this.
-constexpr int kJumpOverStep = 3;
-
-using JumpTable = std::array<std::uint8_t, 256>;
-
-/// Jump penalty by the difference of grey levels between the two pixels.
-JumpTable make_jump_table(const SmoothnessParams& p) {
-  JumpTable table{};
-  for (int g = 0; g < 256; ++g) {
-    const int penalty = g > kSmoothGradient ? p.jump * kSmoothGradient / g : p.jump;
-    table[static_cast<std::size_t>(g)] = static_cast<std::uint8_t>(std::max(penalty, p.step + kJumpOverStep));
-  }
-  return table;
-}
-
-}  // namespace
-
 /// Everything that is kept from pair to pair, so that memory is touched for the first time only once.
 struct BandMatcher::Workspace {
   cv::Mat1i left_census;

@@ -11,6 +11,7 @@
 #include <opencv2/core.hpp>
 
 #include "perception/stereo/elas/level.h"
+#include "perception/stereo/elas/smoothness.h"
 
 namespace arpent::stereo {
 

@@ -16,13 +16,10 @@ namespace {
 
 using Bytes = std::vector<std::uint8_t>;
 
-constexpr std::uint8_t kOutOfViewCost = kCensusBits / 2;
 /// Path cost beyond both ends of the range: never the least, and far from overflow.
 constexpr std::uint8_t kNever = 200;
 /// Disparities are padded to whole vectors.
 constexpr int kRangeMultiple = 16;
-constexpr int kSmoothGradient = 8;
-constexpr int kJumpOverStep = 3;
 
 class WholeRange {
  public:
@@ -30,7 +27,8 @@ class WholeRange {
       : image_(left),
         lanes_((range + kRangeMultiple - 1) / kRangeMultiple * kRangeMultiple),
         range_(range),
-        smoothness_(smoothness),
+        step_(smoothness.step),
+        jump_(make_jump_table(smoothness)),
         costs_(size()),
         sums_(size(), 0) {
     compute_costs(right);
@@ -82,21 +80,16 @@ class WholeRange {
       for (int i = 0; i < length; ++i) {
         const auto [u, v] = at(forward > 0 ? i : length - 1 - i, line);
         const int grey = image_(v, u);
-        const int jump = before < 0 ? 0 : jump_penalty(std::abs(grey - before));
+        const int jump = before < 0 ? 0 : jump_[static_cast<std::size_t>(std::abs(grey - before))];
         before = grey;
         step(path, next.data(), costs_.data() + index(u, v), sums_.data() + index(u, v), jump);
       }
     }
   }
 
-  [[nodiscard]] int jump_penalty(int gradient) const {
-    const int penalty = gradient > kSmoothGradient ? smoothness_.jump * kSmoothGradient / gradient : smoothness_.jump;
-    return std::max(penalty, smoothness_.step + kJumpOverStep);
-  }
-
   /// `path` holds the path costs of the pixel before minus their least, and is replaced by this pixel's.
   void step(std::uint8_t* path, std::uint8_t* next, const std::uint8_t* costs, std::uint8_t* sums, int jump) const {
-    const auto step_cost = static_cast<std::uint8_t>(smoothness_.step);
+    const auto step_cost = static_cast<std::uint8_t>(step_);
     const auto jump_cost = static_cast<std::uint8_t>(jump);
     std::uint8_t least = 255;
     for (int d = 0; d < lanes_; ++d) {
@@ -144,7 +137,8 @@ class WholeRange {
   const cv::Mat1b& image_;
   int lanes_;
   int range_;
-  SmoothnessParams smoothness_;
+  int step_;
+  JumpTable jump_;
   Bytes costs_;
   Bytes sums_;
 };

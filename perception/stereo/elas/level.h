@@ -12,13 +12,6 @@
 
 namespace arpent::stereo {
 
-/// Penalties of the neighbourhood term: for a step of one disparity, and for any jump (on a smooth image; a jump where
-/// the image jumps is cheaper).
-struct SmoothnessParams {
-  int step;
-  int jump;
-};
-
 /// Match of one pyramid level, in the left image. `px128` in 1/128 px of this level, kMissing where the best candidate
 /// fails the left/right check. `sharpness`: by how much the sum of costs rises one disparity beside the minimum; 0
 /// where missing, and where another disparity is about as good.

@@ -16,19 +16,12 @@
 #include "perception/stereo/rectifier.h"
 #include "perception/stereo/wire.h"
 #include "sim/scene.h"
+#include "tests/perception/stereo/pictures.h"
 
 namespace arpent::stereo {
 namespace {
 
 using testing::HasSubstr;
-
-cv::Mat1b texture(int rows, int cols, int seed) {
-  cv::Mat1b image(rows, cols);
-  cv::RNG rng(static_cast<std::uint64_t>(seed));
-  rng.fill(image, cv::RNG::UNIFORM, 0, 256);
-  cv::GaussianBlur(image, image, {5, 5}, 1.2);
-  return image;
-}
 
 StereoCalibration ideal() {
   StereoCalibration calibration;

@@ -11,17 +11,10 @@
 #include "perception/stereo/noise.h"
 #include "perception/stereo/remap.h"
 #include "sim/scene.h"
+#include "tests/perception/stereo/pictures.h"
 
 namespace arpent::stereo {
 namespace {
-
-cv::Mat1b texture(int rows, int cols, int seed) {
-  cv::Mat1b image(rows, cols);
-  cv::RNG rng(static_cast<std::uint64_t>(seed));
-  rng.fill(image, cv::RNG::UNIFORM, 0, 256);
-  cv::GaussianBlur(image, image, {5, 5}, 1.0);
-  return image;
-}
 
 Disparities match(const cv::Mat1b& left, const cv::Mat1b& right, int range, int threads = 1) {
   MatcherParams params;

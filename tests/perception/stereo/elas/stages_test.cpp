@@ -17,17 +17,10 @@
 #include "perception/stereo/elas/coarse.h"
 #include "perception/stereo/elas/lanes.h"
 #include "perception/stereo/elas/support.h"
+#include "tests/perception/stereo/pictures.h"
 
 namespace arpent::stereo {
 namespace {
-
-cv::Mat1b texture(int rows, int cols, int seed) {
-  cv::Mat1b image(rows, cols);
-  cv::RNG rng(static_cast<std::uint64_t>(seed));
-  rng.fill(image, cv::RNG::UNIFORM, 0, 256);
-  cv::GaussianBlur(image, image, {5, 5}, 1.0);
-  return image;
-}
 
 bool same(const cv::Mat& a, const cv::Mat& b) {
   return cv::norm(a, b, cv::NORM_INF) == 0;

@@ -20,6 +20,7 @@ constexpr float kMinCellPixels = 8;          // for such a mean
 constexpr float kMinPixels = 60;             // of the 144 around a cell
 constexpr float kMinCosine = 0.02F;
 constexpr int kMaxRimCells = 16;
+constexpr int kFarSideCells = 3;
 
 /// Sums over the valid pixels of a cell; u and v count from the cell's own corner.
 struct Moments {
@@ -188,21 +189,37 @@ class Fitter {
     }
   }
 
+  /// The far side is the farthest plane beside the edge: single pixels may be anything.
   void mark_rims_around(int edge_u, int edge_v) {
-    const float farthest = cells_.most_m[cells_.at(edge_u, edge_v)];
-    const float x = ray_x(edge_u);
-    const float y = ray_y(edge_v);
+    float farthest = 0;
+    int far_u = 0, far_v = 0;
+    for_cells_around(edge_u, edge_v, kFarSideCells, [&](int u, int v) {
+      const std::size_t at = cells_.at(u, v);
+      const bool plane = cells_.kinds[at] == CellKind::kPlane || cells_.kinds[at] == CellKind::kRim;
+      if (!plane || 1 / means_[at].q <= farthest) return;
+      farthest = 1 / means_[at].q;
+      far_u = u;
+      far_v = v;
+    });
+    if (farthest == 0) return;
+    const float x = ray_x(far_u);
+    const float y = ray_y(far_v);
     const float width_px = rim_m_ * static_cast<float>(depth_.camera.fx_px) / cells_.least_m[cells_.at(edge_u, edge_v)];
     const int width = std::clamp(static_cast<int>(width_px / kCellPx + 1), 1, kMaxRimCells);
-    for (int v = std::max(edge_v - width, 0); v <= std::min(edge_v + width, cells_.rows - 1); ++v) {
-      for (int u = std::max(edge_u - width, 0); u <= std::min(edge_u + width, cells_.cols - 1); ++u) {
-        const std::size_t at = cells_.at(u, v);
-        if (cells_.kinds[at] != CellKind::kPlane) continue;
-        const Cell& plane = cells_.planes[at];
-        const float slope = -(plane.nx * x + plane.ny * y + plane.nz);
-        // Where the plane would meet the edge's ray: slope * z = offset.
-        if (slope * (farthest - rim_m_) > plane.offset_m) cells_.kinds[at] = CellKind::kRim;
-      }
+    for_cells_around(edge_u, edge_v, width, [&](int u, int v) {
+      const std::size_t at = cells_.at(u, v);
+      if (cells_.kinds[at] != CellKind::kPlane) return;
+      const Cell& plane = cells_.planes[at];
+      const float slope = -(plane.nx * x + plane.ny * y + plane.nz);
+      // Where the plane would meet the far side's ray: slope * z = offset.
+      if (slope * (farthest - rim_m_) > plane.offset_m) cells_.kinds[at] = CellKind::kRim;
+    });
+  }
+
+  template <class Work>
+  void for_cells_around(int cell_u, int cell_v, int reach, const Work& work) const {
+    for (int v = std::max(cell_v - reach, 0); v <= std::min(cell_v + reach, cells_.rows - 1); ++v) {
+      for (int u = std::max(cell_u - reach, 0); u <= std::min(cell_u + reach, cells_.cols - 1); ++u) work(u, v);
     }
   }
 

@@ -116,8 +116,9 @@ Voxel ask_naively(const stereo::DepthMap& depth, const SurfaceCells& cells, cons
       const Eigen::Vector3d n(c.nx, c.ny, c.nz);
       distance = n.dot(p) + c.offset_m;
       if (distance < -truncation_m) return {};
+      if (cells.kinds[at] == CellKind::kRim && distance < -voxel_m) return {};
       const double behind = p.z() - p.z() * c.offset_m / -n.dot(p);
-      if (distance < 0 && behind > (cells.kinds[at] == CellKind::kRim ? voxel_m : 4 * truncation_m)) return {};
+      if (distance < 0 && behind > 4 * truncation_m) return {};
     }
   }
   double weight = 1 / p.squaredNorm();

@@ -56,10 +56,10 @@ void AgilexChassis::step(Time now, double duration_s) {
   const double turning = 0.5 * params_.track_m * wheels_.turn_rate_radps;
   left_mm_ += 1e3 * (wheels_.speed_mps - turning) * duration_s;
   right_mm_ += 1e3 * (wheels_.speed_mps + turning) * duration_s;
-  report(now);
+  report();
 }
 
-void AgilexChassis::report(Time /*now*/) {
+void AgilexChassis::report() {
   // Reports that the bus refuses are lost, as from the real one.
   (void)port_.send(agilex::encode(agilex::MotionState{wheels_}));
   (void)port_.send(agilex::encode(agilex::Odometry{to_counter(left_mm_), to_counter(right_mm_)}));

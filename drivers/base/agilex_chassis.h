@@ -36,7 +36,7 @@ class AgilexChassis {
 
  private:
   void read_commands(Time now);
-  void report(Time now);
+  void report();
 
   ChassisParams params_;
   can::CanPort& port_;

@@ -3,9 +3,7 @@
 // TsdfMap::integrate: which blocks one depth image concerns, and what it says to each of their voxels (thesis
 // Sect. 1.3.3, eq. 1.2 and 1.3).
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <limits>
 
 #include "common/parallel.h"
 #include "mapping/tsdf/storage.h"

@@ -107,7 +107,6 @@ class Fitter {
     cells_.kinds.assign(count, CellKind::kNone);
     cells_.least_m.resize(count);
     cells_.most_m.resize(count);
-    cells_.holes.resize(count);
     moments_.resize(count);
     beside_.resize(count);
     means_.resize(count);
@@ -167,7 +166,6 @@ class Fitter {
     means_[at] = {moments_[at].n, moments_[at].u * inv, moments_[at].v * inv, moments_[at].q * inv};
     cells_.least_m[at] = std::min({least[0], least[1], least[2], least[3]});
     cells_.most_m[at] = std::max({most[0], most[1], most[2], most[3]});
-    cells_.holes[at] = moments_[at].n < kCellPx * kCellPx ? 1 : 0;
   }
 
   /// Sums of each cell and its neighbours to the left and right.

@@ -33,10 +33,8 @@ struct SurfaceCells {
   int rows = 0;
   std::vector<Cell> planes;
   std::vector<CellKind> kinds;
-  /// Per cell, the range of depth over the cell [m]; least > most if nothing was measured. `holes`: some pixel is
-  /// missing.
+  /// Per cell, the range of depth over the cell [m]; least > most if nothing was measured.
   std::vector<float> least_m, most_m;
-  std::vector<std::uint8_t> holes;
   [[nodiscard]] std::size_t at(int cell_u, int cell_v) const {
     return static_cast<std::size_t>(cell_v * cols + cell_u);
   }

@@ -113,7 +113,6 @@ class WholeRange {
 
   void choose_row(int v, LevelMatch& match) const {
     std::vector<Winner> winners(static_cast<std::size_t>(image_.cols));
-    RightClaims claims(image_.cols);
     for (int u = 0; u < image_.cols; ++u) {
       Winner& w = winners[static_cast<std::size_t>(u)];
       const std::uint8_t* sums = sums_.data() + index(u, v);
@@ -124,14 +123,8 @@ class WholeRange {
       w.px128 = static_cast<std::uint16_t>(w.disparity_px * static_cast<int>(kUnitsPerPixel));
       if (w.disparity_px > 0 && w.disparity_px + 1 < range_) refine(w, least[-1], least[1]);
       if (has_rival(sums, in_view, w)) w.sharpness = 0;
-      claims.claim(u, w);
     }
-    for (int u = 0; u < image_.cols; ++u) {
-      const Winner& w = winners[static_cast<std::size_t>(u)];
-      const bool good = claims.agrees(u, w);
-      match.px128(v, u) = good ? w.px128 : kMissing;
-      match.sharpness(v, u) = good ? w.sharpness : std::uint8_t{0};
-    }
+    settle_row(winners, match.px128[v], match.sharpness[v]);
   }
 
   const cv::Mat1b& image_;

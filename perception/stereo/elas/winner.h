@@ -95,23 +95,30 @@ Winner choose_winner(const std::uint8_t* sums, const Bands& bands, int u) {
   return winner;
 }
 
+/// Writes the winners of one row (`winners.size()` pixels) whose claims on the right image hold; others are missing.
+inline void settle_row(const std::vector<Winner>& winners, std::uint16_t* px128, std::uint8_t* sharpness) {
+  const auto cols = static_cast<int>(winners.size());
+  RightClaims claims(cols);
+  const auto at = [&](int u) -> const Winner& { return winners[static_cast<std::size_t>(u)]; };
+  for (int u = 0; u < cols; ++u) {
+    if (at(u).disparity_px >= 0) claims.claim(u, at(u));
+  }
+  for (int u = 0; u < cols; ++u) {
+    const bool good = at(u).disparity_px >= 0 && claims.agrees(u, at(u));
+    px128[u] = good ? at(u).px128 : kMissing;
+    sharpness[u] = good ? at(u).sharpness : std::uint8_t{0};
+  }
+}
+
 /// One row: `sums` holds 16 per pixel, `bands` one entry per block of columns.
 template <class L>
 void choose_winners(const std::uint8_t* sums, const Bands* bands, int cols, std::uint16_t* px128,
                     std::uint8_t* sharpness) {
   std::vector<Winner> winners(static_cast<std::size_t>(cols));
-  RightClaims claims(cols);
   for (int u = 0; u < cols; ++u) {
-    Winner& w = winners[static_cast<std::size_t>(u)];
-    w = choose_winner<L>(sums + kLanes * u, bands[u / kBlock], u);
-    if (w.disparity_px >= 0) claims.claim(u, w);
+    winners[static_cast<std::size_t>(u)] = choose_winner<L>(sums + kLanes * u, bands[u / kBlock], u);
   }
-  for (int u = 0; u < cols; ++u) {
-    const Winner& w = winners[static_cast<std::size_t>(u)];
-    const bool good = w.disparity_px >= 0 && claims.agrees(u, w);
-    px128[u] = good ? w.px128 : kMissing;
-    sharpness[u] = good ? w.sharpness : std::uint8_t{0};
-  }
+  settle_row(winners, px128, sharpness);
 }
 
 }  // namespace arpent::stereo

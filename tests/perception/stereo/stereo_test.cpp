@@ -15,7 +15,6 @@
 #include "perception/stereo/matcher.h"
 #include "perception/stereo/rectifier.h"
 #include "perception/stereo/wire.h"
-#include "sim/scene.h"
 #include "tests/perception/stereo/pictures.h"
 
 namespace arpent::stereo {
@@ -131,22 +130,16 @@ MatcherParams params(int range) {
 }
 
 TEST(StereoMatcher, ARenderedArenaIsMeasuredRight) {
-  const PinholeCamera camera{320, 256, 188.5, 188.5, 159.5, 127.5};
-  const sim::Scene scene = sim::make_test_arena();
-  Pose T_world_left = Pose::Identity();
-  T_world_left.linear() = R_body_from_camera_axes();
-  T_world_left.translation() = Eigen::Vector3d(1.5, 2.0, 0.4);
-  const auto left = sim::render(scene, camera, T_world_left, {}, 1);
-  const auto right = sim::render(scene, camera, T_world_left * Eigen::Translation3d(0.26, 0, 0), {}, 2);
-  const auto disparities = make_matcher(params(128))->match(left.image, right.image);
+  const ArenaPair pair;
+  const auto disparities = make_matcher(params(128))->match(pair.left.image, pair.right.image);
   int known = 0, bad = 0, truth = 0;
-  for (int v = 0; v < camera.height_px; ++v) {
-    for (int u = 0; u < camera.width_px; ++u) {
-      if (left.depth_m(v, u) <= 0) continue;
+  for (int v = 0; v < pair.camera.height_px; ++v) {
+    for (int u = 0; u < pair.camera.width_px; ++u) {
+      if (pair.left.depth_m(v, u) <= 0) continue;
       ++truth;
       if (disparities.trusted(v, u) == kMissing) continue;
       ++known;
-      const double d = 0.26 * 188.5 / left.depth_m(v, u);
+      const double d = pair.disparity_px(v, u);
       bad += std::abs(disparities.trusted(v, u) / 128.0 - d) > 2 ? 1 : 0;
     }
   }

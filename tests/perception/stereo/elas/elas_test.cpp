@@ -10,7 +10,6 @@
 #include "perception/stereo/matcher.h"
 #include "perception/stereo/noise.h"
 #include "perception/stereo/remap.h"
-#include "sim/scene.h"
 #include "tests/perception/stereo/pictures.h"
 
 namespace arpent::stereo {
@@ -136,20 +135,14 @@ TEST(Elas, FaintTextureIsSeenThroughNoiseOfItsOwnStrength) {
 }
 
 TEST(Elas, TheStatedDeviationFitsTheErrors) {
-  const PinholeCamera camera{320, 256, 188.5, 188.5, 159.5, 127.5};
-  const sim::Scene scene = sim::make_test_arena();
-  Pose T_world_left = Pose::Identity();
-  T_world_left.linear() = R_body_from_camera_axes();
-  T_world_left.translation() = Eigen::Vector3d(1.5, 2.0, 0.4);
-  const auto left = sim::render(scene, camera, T_world_left, {}, 1);
-  const auto right = sim::render(scene, camera, T_world_left * Eigen::Translation3d(0.26, 0, 0), {}, 2);
-  const Disparities d = match(left.image, right.image, 128);
+  const ArenaPair pair;
+  const Disparities d = match(pair.left.image, pair.right.image, 128);
   std::vector<double> ratios;
-  for (int v = 0; v < camera.height_px; ++v) {
-    for (int u = 0; u < camera.width_px; ++u) {
+  for (int v = 0; v < pair.camera.height_px; ++v) {
+    for (int u = 0; u < pair.camera.width_px; ++u) {
       EXPECT_EQ(d.trusted(v, u) == kMissing, d.sigma_px(v, u) == 0.0F);
-      if (d.trusted(v, u) == kMissing || left.depth_m(v, u) <= 0) continue;
-      ratios.push_back(std::abs(d.trusted(v, u) / 128.0 - 0.26 * 188.5 / left.depth_m(v, u)) / d.sigma_px(v, u));
+      if (d.trusted(v, u) == kMissing || pair.left.depth_m(v, u) <= 0) continue;
+      ratios.push_back(std::abs(d.trusted(v, u) / 128.0 - pair.disparity_px(v, u)) / d.sigma_px(v, u));
     }
   }
   std::sort(ratios.begin(), ratios.end());

@@ -34,7 +34,7 @@ add_library(arpent_settings INTERFACE)
 target_include_directories(arpent_settings INTERFACE ${CMAKE_SOURCE_DIR})
 target_compile_options(arpent_settings INTERFACE
   -Wall -Wextra -Wpedantic -Werror -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual -Wimplicit-fallthrough
-  -ffp-contract=off -fno-math-errno)
+  -ffp-contract=off -fno-math-errno -fno-trapping-math)
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
   # False alarms of gcc 12 on std::string concatenation , fmt and optional-like types (gcc bugs 105329, 105651, 105562).
   target_compile_options(arpent_settings INTERFACE -Wno-restrict -Wno-stringop-overflow -Wno-maybe-uninitialized)

@@ -18,6 +18,7 @@
 #include "common/bus/typed.h"
 #include "common/channels.h"
 #include "common/error.h"
+#include "common/memory.h"
 
 namespace arpent::detail {
 namespace {
@@ -80,6 +81,7 @@ health_t make_health(const std::string& name, Health& health, Time now, Time sta
 }
 
 void run(const ProcessType& type, const Flags& flags) {
+  keep_freed_memory();
   LcmBus bus(flags.lcm_url);
   const std::function<void()> finish = type.start(bus, bus);
   const Time start = bus.now();

@@ -3,8 +3,10 @@
 #include "perception/stereo/reject.h"
 
 #include <algorithm>
-#include <opencv2/calib3d.hpp>
+#include <cstdlib>
 #include <opencv2/imgproc.hpp>
+#include <utility>
+#include <vector>
 
 #include "perception/stereo/depth_map.h"
 
@@ -18,20 +20,76 @@ constexpr float kLeastCorrelation = 0.45F;
 constexpr int kUnitsPerWholePixel = 128;
 constexpr int kUnitsPerHalfPixel = 64;
 
+/// Pixels of a row from `begin` to before `end`, each within a pixel of disparity of the one before.
+struct Run {
+  int begin;
+  int end;
+  int parent;  // a run of the same piece, lower in number; itself at the root
+  int pixels;  // of the whole piece, at the root
+};
+
+bool are_joined(std::uint16_t a, std::uint16_t b) {
+  return std::abs(int{a} - int{b}) <= kUnitsPerPixel;
+}
+
+int find_root(std::vector<Run>& runs, int run) {
+  while (runs[run].parent != run) run = runs[run].parent = runs[runs[run].parent].parent;
+  return run;
+}
+
+void unite(std::vector<Run>& runs, int a, int b) {
+  a = find_root(runs, a);
+  b = find_root(runs, b);
+  if (a == b) return;
+  if (b < a) std::swap(a, b);
+  runs[b].parent = a;
+  runs[a].pixels += runs[b].pixels;
+}
+
+void add_runs(const std::uint16_t* row, int cols, std::vector<Run>& runs) {
+  for (int u = 0; u < cols;) {
+    if (row[u] == kMissing) {
+      ++u;
+      continue;
+    }
+    const int begin = u++;
+    while (u < cols && row[u] != kMissing && are_joined(row[u - 1], row[u])) ++u;
+    runs.push_back({begin, u, static_cast<int>(runs.size()), u - begin});
+  }
+}
+
+/// Joins the runs from `first` on, of `row`, with those of the row above, from `first_above` to `first`.
+void join_rows(const std::uint16_t* above, const std::uint16_t* row, int first_above, int first,
+               std::vector<Run>& runs) {
+  int a = first_above;
+  int b = first;
+  while (a < first && b < static_cast<int>(runs.size())) {
+    const int end = std::min(runs[a].end, runs[b].end);
+    for (int u = std::max(runs[a].begin, runs[b].begin); u < end; ++u) {
+      if (!are_joined(above[u], row[u])) continue;
+      unite(runs, a, b);
+      break;
+    }
+    runs[a].end <= runs[b].end ? ++a : ++b;
+  }
+}
+
 }  // namespace
 
-void remove_speckles(cv::Mat1w& px128, int min_pixels) {
-  // OpenCV's filter takes signed numbers: 1/16 px reach 2047 px.
-  constexpr int kPerUnit = 8;
-  constexpr short kNone = -1;
-  cv::Mat1s px16(px128.size());
+void remove_speckles(cv::Mat1w& px128, int largest_pixels) {
+  std::vector<Run> runs;
+  std::vector<int> first_of_row{0};
   for (int v = 0; v < px128.rows; ++v) {
-    const std::uint16_t* from = px128[v];
-    short* to = px16[v];
-    for (int u = 0; u < px128.cols; ++u) to[u] = from[u] == kMissing ? kNone : static_cast<short>(from[u] / kPerUnit);
+    add_runs(px128[v], px128.cols, runs);
+    if (v > 0) join_rows(px128[v - 1], px128[v], first_of_row[v - 1], first_of_row[v], runs);
+    first_of_row.push_back(static_cast<int>(runs.size()));
   }
-  cv::filterSpeckles(px16, kNone, min_pixels, kUnitsPerPixel / kPerUnit);
-  px128.setTo(kMissing, px16 == kNone);
+  for (int v = 0; v < px128.rows; ++v) {
+    for (int i = first_of_row[v]; i < first_of_row[v + 1]; ++i) {
+      if (runs[find_root(runs, i)].pixels > largest_pixels) continue;
+      std::fill(px128[v] + runs[i].begin, px128[v] + runs[i].end, kMissing);
+    }
+  }
 }
 
 void remove_unconfirmed(const cv::Mat1b& left, const cv::Mat1b& right, cv::Mat1w& px128) {

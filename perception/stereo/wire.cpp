@@ -32,13 +32,9 @@ bool is_constant(const cv::Mat1b& image, double level) {
 
 /// Rounded to `unit`, saturated at 65535 if `saturate`, otherwise 0 (missing) when it does not fit.
 cv::Mat1w quantise(const cv::Mat1f& values, double unit, bool saturate) {
-  cv::Mat1w result(values.size());
-  const auto scale = static_cast<float>(1.0 / unit);
-  std::transform(values.begin(), values.end(), result.begin(), [&](float value) {
-    const float units = std::nearbyint(value * scale);
-    if (units > 65535.0F) return static_cast<std::uint16_t>(saturate ? 65535 : 0);
-    return static_cast<std::uint16_t>(units > 0 ? units : 0.0F);
-  });
+  cv::Mat1w result;
+  values.convertTo(result, CV_16U, 1.0 / unit);
+  if (!saturate) result.setTo(0, values > 65535.5 * unit);
   return result;
 }
 
@@ -60,8 +56,8 @@ Result<StereoPair> from_wire(const stereo_images_t& message) {
   return StereoPair{from_utime(message.utime), message.sequence, *left, *right};
 }
 
-stereo_images_t to_wire(const StereoPair& pair, bool png) {
-  const Compression compression = png ? Compression::kPng : Compression::kNone;
+stereo_images_t to_wire(const StereoPair& pair, bool compressed) {
+  const Compression compression = compressed ? Compression::kZstd : Compression::kNone;
   stereo_images_t message{};
   message.utime = to_utime(pair.stamp);
   message.sequence = pair.sequence;

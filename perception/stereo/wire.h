@@ -27,8 +27,8 @@ struct StereoPair {
 };
 
 [[nodiscard]] Result<StereoPair> from_wire(const stereo_images_t& message);
-/// `png`: compress both images (for logs); otherwise raw.
-[[nodiscard]] stereo_images_t to_wire(const StereoPair& pair, bool png);
+/// `compressed`: both images shrunk without loss (for logs); otherwise raw.
+[[nodiscard]] stereo_images_t to_wire(const StereoPair& pair, bool compressed);
 
 /// Why a pair cannot be used: not of the camera's size, all black, saturated, or twice the same image. Empty if it can.
 [[nodiscard]] std::string find_fault(const StereoPair& pair, const PinholeCamera& camera);

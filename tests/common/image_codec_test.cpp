@@ -25,9 +25,9 @@ void seal(image_t& message) {
   message.crc32c = static_cast<std::int32_t>(crc32c_of(std::span<const std::uint8_t>(message.data)));
 }
 
-TEST(ImageCodec, RawAndPngAreLossless) {
+TEST(ImageCodec, RawPngAndZstdAreLossless) {
   for (const int type : {CV_8UC1, CV_16UC1}) {
-    for (const Compression compression : {Compression::kNone, Compression::kPng}) {
+    for (const Compression compression : {Compression::kNone, Compression::kPng, Compression::kZstd}) {
       const cv::Mat image = noise(37, 53, type);
       const auto decoded = decode_image(encode_image(image, compression));
       ASSERT_TRUE(decoded) << decoded.fault();
@@ -79,6 +79,32 @@ TEST(ImageCodec, APngThatLiesAboutItsSizeIsRefusedBeforeItIsDecoded) {
   EXPECT_FALSE(decode_image(message));
   message.width_px = 0x3F08;
   EXPECT_FALSE(decode_image(message)) << "too little data for the stated size";
+}
+
+TEST(ImageCodec, ZstdDataThatLiesOrIsCutIsRefused) {
+  const image_t good = encode_image(noise(8, 8, CV_16UC1), Compression::kZstd);
+  ASSERT_TRUE(decode_image(good));
+  image_t bad = good;
+  bad.width_px = 16000;
+  EXPECT_FALSE(decode_image(bad)) << "another size than the frame's";
+  bad = good;
+  bad.pixel_format = image_t::PIXEL_GRAY8;
+  EXPECT_FALSE(decode_image(bad));
+  for (std::size_t size = 0; size < good.data.size(); ++size) {
+    bad = good;
+    bad.data.resize(size);
+    seal(bad);
+    EXPECT_FALSE(decode_image(bad)) << size;
+  }
+}
+
+TEST(ImageCodec, ZstdShrinksSmoothImagesAboutAsFarAsPng) {
+  cv::Mat1b image(200, 300);
+  for (int v = 0; v < image.rows; ++v) {
+    for (int u = 0; u < image.cols; ++u) image(v, u) = static_cast<std::uint8_t>(u / 2 + v / 3 + (u * 7 + v * 13) % 3);
+  }
+  const auto size = [&](Compression compression) { return encode_image(image, compression).data.size(); };
+  EXPECT_LT(size(Compression::kZstd), size(Compression::kNone) / 3);
 }
 
 }  // namespace

@@ -66,7 +66,7 @@ run_benches() {
   build_targets arpent_programs "${names[@]/#/bench_}"
   local scratch
   scratch=$(mktemp -d)
-  trap 'rm -rf "$scratch"' EXIT
+  trap "rm -rf '$scratch'" EXIT
   for name in "${names[@]}"; do
     echo "== $name"
     "$build/bin/bench_$name" --json "$scratch/$name.json" "${rest[@]}"

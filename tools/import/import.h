@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
 // Turns a recorded or rendered stereo sequence into an LCM log that can be replayed with nothing else at hand: CONFIG
-// events (the rig; the processes' parameters for this data), then STEREO_IMAGES (PNG inside) and TRUTH_POSE in the
+// events (the rig; the processes' parameters for this data), then STEREO_IMAGES (zstd inside) and TRUTH_POSE in the
 // order of time.
 #pragma once
 

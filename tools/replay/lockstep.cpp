@@ -11,6 +11,7 @@
 #include "common/channels.h"
 #include "common/crc32c.h"
 #include "common/log/event_log.h"
+#include "common/memory.h"
 #include "mapping/surface/mesh_extraction.h"
 #include "tools/progress.h"
 #include "tools/replay/collect.h"
@@ -63,6 +64,7 @@ bool Window::wants(Time time, std::int64_t index) const {
 }
 
 ReplayResult run_lockstep(const ReplayInput& input, const ReplayOptions& options) {
+  keep_freed_memory();
   const double cpu_start = process_cpu_s();
   const auto wall_start = std::chrono::steady_clock::now();
   ReplayResult result;

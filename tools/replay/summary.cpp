@@ -198,7 +198,7 @@ Summary summarise(const ReplayInput& input, const ReplayResult& result, const Re
   }
   if (result.cpu_s > 0) {
     figures.push_back({"speed", fmt::format("{:.1f} x real time", duration_s / result.wall_s),
-                       fmt::format("{:.1f} s of CPU", result.cpu_s)});
+                       fmt::format("{:.2f} s of CPU", result.cpu_s)});
   }
   if (live != nullptr) {
     summary.difference = compare(result, *live);

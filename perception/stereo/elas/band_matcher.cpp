@@ -26,6 +26,9 @@ struct BandMatcher::Workspace {
 
 namespace {
 
+const Link kContiguous = make_link({0, kBandWidth}, {0, kBandWidth});
+const Link kSplit = make_link({0, 2 * kBandWidth}, {0, 2 * kBandWidth});
+
 template <class L>
 class Aggregation {
  public:
@@ -124,8 +127,6 @@ class Aggregation {
 
   /// Most neighbours have the same bands, and then there are only two different links.
   [[nodiscard]] static Link make_link_fast(const Bands& from, const Bands& to) {
-    static const Link kContiguous = make_link({0, kBandWidth}, {0, kBandWidth});
-    static const Link kSplit = make_link({0, 2 * kBandWidth}, {0, 2 * kBandWidth});
     if (from == to) return to.high == to.low + kBandWidth ? kContiguous : kSplit;
     return make_link(from, to);
   }

@@ -103,26 +103,22 @@ class WholeRange {
     for (int d = 0; d < lanes_; ++d) path[d] = static_cast<std::uint8_t>(next[d] - least);
   }
 
-  static bool has_rival(const std::uint8_t* sums, int count, const Winner& w) {
-    const int limit = rival_limit(w.cost);
+  static bool has_rival(const std::uint8_t* sums, int count, int disparity_px) {
+    const int limit = rival_limit(sums[disparity_px]);
     const auto below = [limit](std::uint8_t sum) { return sum < limit; };
-    const auto* beside = sums + std::max(w.disparity_px - 1, 0);
-    const auto* beyond = sums + std::min(w.disparity_px + 2, count);
+    const auto* beside = sums + std::max(disparity_px - 1, 0);
+    const auto* beyond = sums + std::min(disparity_px + 2, count);
     return std::any_of(sums, beside, below) || std::any_of(beyond, sums + count, below);
   }
 
   void choose_row(int v, LevelMatch& match) const {
-    std::vector<Winner> winners(static_cast<std::size_t>(image_.cols));
+    Winners winners(image_.cols);
     for (int u = 0; u < image_.cols; ++u) {
-      Winner& w = winners[static_cast<std::size_t>(u)];
       const std::uint8_t* sums = sums_.data() + index(u, v);
       const int in_view = std::min(u + 1, range_);
-      const auto* least = std::min_element(sums, sums + in_view);
-      w.disparity_px = static_cast<std::int16_t>(least - sums);
-      w.cost = *least;
-      w.px128 = static_cast<std::uint16_t>(w.disparity_px * static_cast<int>(kUnitsPerPixel));
-      if (w.disparity_px > 0 && w.disparity_px + 1 < range_) refine(w, least[-1], least[1]);
-      if (has_rival(sums, in_view, w)) w.sharpness = 0;
+      const auto d = static_cast<int>(std::min_element(sums, sums + in_view) - sums);
+      const int beside = d > 0 && d + 1 < range_ ? 1 : 0;
+      winners.set(u, d, sums[d], sums[d - beside], sums[d + beside], has_rival(sums, in_view, d));
     }
     settle_row(winners, match.px128[v], match.sharpness[v]);
   }

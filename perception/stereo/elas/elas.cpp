@@ -115,11 +115,13 @@ class ElasMatcher : public StereoMatcher {
     result.sigma_px.create(full.px128.size());
     const auto sigma = sigma_by_sharpness();
     for (int v = 0; v < full.px128.rows; ++v) {
+      const std::uint16_t* px128 = full.px128[v];
+      const std::uint8_t* sharpness = full.sharpness[v];
+      std::uint16_t* trusted = result.trusted[v];
+      float* sigma_px = result.sigma_px[v];
       for (int u = 0; u < full.px128.cols; ++u) {
-        const std::uint8_t sharpness = full.sharpness(v, u);
-        const bool certain = full.px128(v, u) != kMissing && sharpness > 0;
-        result.trusted(v, u) = certain ? full.px128(v, u) : kMissing;
-        result.sigma_px(v, u) = certain ? sigma[sharpness] : 0.0F;
+        trusted[u] = sharpness[u] > 0 ? px128[u] : kMissing;
+        sigma_px[u] = trusted[u] != kMissing ? sigma[sharpness[u]] : 0.0F;
       }
     }
   }

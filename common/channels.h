@@ -14,6 +14,20 @@ inline constexpr char kDisparityFilled[] = "DISPARITY_FILLED";
 inline constexpr char kDepth[] = "DEPTH";
 inline constexpr char kOdometry[] = "ODOMETRY";
 inline constexpr char kMapStatus[] = "MAP_STATUS";
+inline constexpr char kWheelCommand[] = "WHEEL_COMMAND";
+inline constexpr char kWheelState[] = "WHEEL_STATE";
+inline constexpr char kBaseRequest[] = "BASE_REQUEST";
+inline constexpr char kEstop[] = "ESTOP";
+inline constexpr char kCan[] = "CAN";
+inline constexpr char kImu[] = "IMU";
+inline constexpr char kTagObservation[] = "TAG_OBSERVATION";
+inline constexpr char kFrameAlignment[] = "FRAME_ALIGNMENT";
+inline constexpr char kPose[] = "POSE";
+inline constexpr char kPairPose[] = "PAIR_POSE";
+inline constexpr char kPath[] = "PATH";
+inline constexpr char kTrackerStatus[] = "TRACKER_STATUS";
+inline constexpr char kMissionCommand[] = "MISSION_COMMAND";
+inline constexpr char kMissionState[] = "MISSION_STATE";
 inline constexpr char kHealth[] = "HEALTH";
 
 }  // namespace arpent::channels

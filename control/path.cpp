@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 #include "common/error.h"
+#include "common/pose2.h"
 
 namespace arpent::control {
 namespace {
@@ -17,10 +17,6 @@ constexpr double kSpacingM = 0.02;
 constexpr double kSmoothingM = 0.06;
 /// Turn rate and acceleration that the reference uses; the rest is left to correct errors with.
 constexpr double kShareOfLimits = 0.9;
-
-double wrap(double angle) {
-  return std::remainder(angle, 2 * std::numbers::pi);
-}
 
 }  // namespace
 
@@ -62,7 +58,7 @@ void Path::differentiate() {
   for (int i = 0; i < count; ++i) {
     const Eigen::Vector2d d = at(i + reach).p_m - at(i - reach).p_m;
     const double heading = std::atan2(d.y(), d.x());
-    at(i).heading_rad = i == 0 ? heading : at(i - 1).heading_rad + wrap(heading - at(i - 1).heading_rad);
+    at(i).heading_rad = i == 0 ? heading : at(i - 1).heading_rad + wrap_angle(heading - at(i - 1).heading_rad);
   }
   for (int i = 0; i < count; ++i) {
     const int before = std::max(i - reach, 0), after = std::min(i + reach, count - 1);

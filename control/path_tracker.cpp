@@ -6,9 +6,9 @@
 #include <array>
 #include <cmath>
 #include <deque>
-#include <numbers>
 
 #include "common/config/config.h"
+#include "common/pose2.h"
 #include "control/box_qp.h"
 
 namespace arpent::control {
@@ -42,10 +42,6 @@ constexpr double kIntegrationStepS = 0.01;
 using Errors = Eigen::Matrix<double, kErrors, 1>;
 using Inputs = Eigen::Matrix<double, kInputs, 1>;
 using Qp = BoxQp<kInputs, 2 * kInputs>;
-
-double wrap(double angle) {
-  return std::remainder(angle, 2 * std::numbers::pi);
-}
 
 bool finite(const BaseState& s) {
   return s.p_map_m.allFinite() && std::isfinite(s.yaw_rad) && std::isfinite(s.twist.speed_mps) &&
@@ -212,7 +208,7 @@ struct PathTracker::State {
 
   TrackerOutput turn(Time now, TrackerOutput output, const BaseState& at, double heading_rad, double tolerance_rad,
                      TrackerMode next) {
-    const double error = wrap(heading_rad - at.yaw_rad);
+    const double error = wrap_angle(heading_rad - at.yaw_rad);
     const bool standing = std::abs(at.twist.speed_mps) < kStandMps;
     if (std::abs(error) < tolerance_rad && std::abs(at.twist.turn_rate_radps) < kStandRadps && standing) mode = next;
     return give(now, std::move(output), {0, mode == next || !standing ? 0.0 : turn_rate_to(error)});
@@ -268,7 +264,7 @@ TrackerOutput PathTracker::step(Time now, const BaseState& state) {
   const Eigen::Vector2d left(-std::sin(nearest.heading_rad), std::cos(nearest.heading_rad));
   output.cross_track_m = left.dot(at.p_map_m - nearest.p_m);
   output.remaining_m = s.path->length_m() - s.s_m;
-  const double heading_error = wrap(at.yaw_rad - nearest.heading_rad);
+  const double heading_error = wrap_angle(at.yaw_rad - nearest.heading_rad);
   if ((at.p_map_m - nearest.p_m).norm() > s.params.max_cross_track_m) {
     return s.brake(now, output, "too far from the path");
   }

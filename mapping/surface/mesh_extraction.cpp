@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <tuple>
 #include <unordered_map>
 #include <unordered_set>
@@ -16,6 +17,10 @@ namespace arpent::mapping {
 namespace {
 
 constexpr int kCorners = kBlockSide + 1;
+/// Distances to a surface that was measured differ by at most a voxel from one voxel to the next. A leap by more than
+/// this many is no surface but a tear, where what one view guessed behind an object meets what another saw to be free:
+/// meshed, it is a ghost sheet (bench `tsdf`: 0.05 % of the mesh instead of 0.6; 0.3 % of the coverage).
+constexpr float kTearVoxels = 3.0F;
 
 /// An edge of the voxel lattice, from a voxel's centre in direction of an axis: the identity of a mesh vertex.
 struct LatticeEdge {
@@ -96,10 +101,19 @@ class BlockMesher {
     }
     if (inside == 0 || inside == 255) return;
     for (const auto& triangle : marching_cubes_case(static_cast<std::uint8_t>(inside))) {
+      if (std::any_of(triangle.begin(), triangle.end(), [&](int edge) { return is_torn(x, y, z, edge); })) continue;
       std::array<std::uint32_t, 3> corners{};
       for (std::size_t i = 0; i < 3; ++i) corners[i] = vertex_on(x, y, z, triangle[i]);
       mesh_.triangles.push_back(corners);
     }
+  }
+
+  [[nodiscard]] bool is_torn(int x, int y, int z, int edge) const {
+    const auto distance_m = [&](int corner) {
+      return corners_.distance_m(x + (corner & 1), y + (corner >> 1 & 1), z + (corner >> 2));
+    };
+    const auto& [low, high] = kEdgeCorners[static_cast<std::size_t>(edge)];
+    return std::abs(distance_m(low) - distance_m(high)) > kTearVoxels * static_cast<float>(voxel_m_);
   }
 
   std::uint32_t vertex_on(int x, int y, int z, int edge) {

@@ -20,11 +20,6 @@ constexpr float kMinDepthM = 0.05F;
 constexpr float kMaxBehindTruncations = 4.0F;
 /// At edges, where no plane fits, nothing is said beyond this many voxels behind the pixel's depth.
 constexpr float kEdgeBehindVoxels = 1.0F;
-/// Near the rim of an object a ray that enters it leaves it again soon: nothing is said beyond this many voxels behind
-/// the surface, across it, within so many voxels of the rim. Along the ray the same limit halves the ghost sheets of
-/// bench `tsdf` once more, but loses a third of a real road, which is seen flatly and ends in many noisy rims.
-constexpr float kRimBehindVoxels = 1.0F;
-constexpr double kRimWidthVoxels = 2.5;
 /// Farthest camera from the map's origin, in blocks: block indices stay far from overflow.
 constexpr double kMaxBlocksFromOrigin = 1e6;
 constexpr int kTileCells = 4;
@@ -55,8 +50,7 @@ class View {
  public:
   View(const stereo::DepthMap& depth, const Pose& T_map_cam, const TsdfMap::Storage& map)
       : depth_(depth),
-        cells_(fit_surface_cells(depth, map.params.min_range_m, map.params.max_range_m,
-                                 kRimWidthVoxels * map.params.voxel_m)),
+        cells_(fit_surface_cells(depth, map.params.min_range_m, map.params.max_range_m)),
         tiles_(make_tiles(cells_)),
         T_cam_map_(T_map_cam.inverse()),
         camera_(depth.camera),
@@ -162,17 +156,15 @@ bool View::update(Block& block) const {
       const std::size_t at = cells_.at(pixel_u / kCellPx, pixel_v / kCellPx);
       float distance = 0;
       const CellKind kind = cells_.kinds[at];
-      if (kind == CellKind::kPlane || kind == CellKind::kRim) {
+      if (kind == CellKind::kPlane) {
         const Cell& plane = cells_.planes[at];
         distance = plane.nx * p.x() + plane.ny * p.y() + plane.nz * p.z() + plane.offset_m;
         if (distance < -truncation_m_) continue;
         if (distance < 0) {
           const float surface_z = plane.offset_m * p.z() / (plane.offset_m - distance);
-          const float behind_m = p.z() - surface_z;
-          if (behind_m > reach_m()) continue;
-          if (kind == CellKind::kRim && distance < -kRimBehindVoxels * voxel_m_) continue;
+          if (p.z() - surface_z > reach_m()) continue;
         }
-      } else if (cells_.kinds[at] == CellKind::kEdge) {
+      } else if (kind == CellKind::kEdge) {
         const float z = depth_.depth_m(pixel_v, pixel_u);
         if (!(z >= nearest_m_ && z <= farthest_m_)) continue;
         distance = z - p.z();

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <limits>
 
 namespace arpent::mapping {
 namespace {
@@ -19,8 +18,6 @@ constexpr float kCellResidualNoises = 1.5F;  // of a cell's mean
 constexpr float kMinCellPixels = 8;          // for such a mean
 constexpr float kMinPixels = 60;             // of the 144 around a cell
 constexpr float kMinCosine = 0.02F;
-constexpr int kMaxRimCells = 16;
-constexpr int kFarSideCells = 3;
 
 /// Sums over the valid pixels of a cell; u and v count from the cell's own corner.
 struct Moments {
@@ -95,17 +92,13 @@ Fit fit_plane(const Moments& m) {
 
 class Fitter {
  public:
-  Fitter(const stereo::DepthMap& depth, double min_range_m, double max_range_m, double rim_m)
-      : depth_(depth),
-        nearest_(static_cast<float>(min_range_m)),
-        farthest_(static_cast<float>(max_range_m)),
-        rim_m_(static_cast<float>(rim_m)) {
+  Fitter(const stereo::DepthMap& depth, double min_range_m, double max_range_m)
+      : depth_(depth), nearest_(static_cast<float>(min_range_m)), farthest_(static_cast<float>(max_range_m)) {
     cells_.cols = depth.depth_m.cols / kCellPx;
     cells_.rows = depth.depth_m.rows / kCellPx;
     const auto count = static_cast<std::size_t>(cells_.cols * cells_.rows);
     cells_.planes.resize(count);
     cells_.kinds.assign(count, CellKind::kNone);
-    cells_.least_m.resize(count);
     cells_.most_m.resize(count);
     moments_.resize(count);
     beside_.resize(count);
@@ -120,7 +113,6 @@ class Fitter {
     for (int v = 0; v < cells_.rows; ++v) {
       for (int u = 0; u < cells_.cols; ++u) fit(u, v);
     }
-    mark_rims();
     return std::move(cells_);
   }
 
@@ -131,7 +123,6 @@ class Fitter {
     constexpr Row kColumn = {0, 1, 2, 3};
     const Row zero = {};
     Row n = {}, nv = {}, nvv = {}, q = {}, vq = {}, qq = {}, noise2 = {}, most = {};
-    Row least = zero + std::numeric_limits<float>::max();
     for (int v = 0; v < kCellPx; ++v) {
       const auto fv = static_cast<float>(v);
       const Row z = load(depth_.depth_m, kCellPx * cell_u, kCellPx * cell_v + v);
@@ -147,7 +138,6 @@ class Fitter {
       vq += fv * inverse;
       qq += inverse * inverse;
       noise2 += noise * noise;
-      least = valid & (z < least) ? z : least;
       most = valid & (z > most) ? z : most;
     }
     const std::size_t at = cells_.at(cell_u, cell_v);
@@ -164,7 +154,6 @@ class Fitter {
                     .noise2 = sum(noise2)};
     const float inv = 1.0F / std::max(moments_[at].n, 1.0F);
     means_[at] = {moments_[at].n, moments_[at].u * inv, moments_[at].v * inv, moments_[at].q * inv};
-    cells_.least_m[at] = std::min({least[0], least[1], least[2], least[3]});
     cells_.most_m[at] = std::max({most[0], most[1], most[2], most[3]});
   }
 
@@ -175,49 +164,6 @@ class Fitter {
       if (u > 0) add_shifted(sum, moments_[cells_.at(u - 1, v)], -kCellPx, 0);
       if (u + 1 < cells_.cols) add_shifted(sum, moments_[cells_.at(u + 1, v)], kCellPx, 0);
       beside_[cells_.at(u, v)] = sum;
-    }
-  }
-
-  /// Planes within `rim_m` of an edge beyond which the scene lies farther than they reach become rims.
-  void mark_rims() {
-    for (int v = 0; v < cells_.rows; ++v) {
-      for (int u = 0; u < cells_.cols; ++u) {
-        if (cells_.kinds[cells_.at(u, v)] == CellKind::kEdge) mark_rims_around(u, v);
-      }
-    }
-  }
-
-  /// The far side is the farthest plane beside the edge: single pixels may be anything.
-  void mark_rims_around(int edge_u, int edge_v) {
-    float farthest = 0;
-    int far_u = 0, far_v = 0;
-    for_cells_around(edge_u, edge_v, kFarSideCells, [&](int u, int v) {
-      const std::size_t at = cells_.at(u, v);
-      const bool plane = cells_.kinds[at] == CellKind::kPlane || cells_.kinds[at] == CellKind::kRim;
-      if (!plane || 1 / means_[at].q <= farthest) return;
-      farthest = 1 / means_[at].q;
-      far_u = u;
-      far_v = v;
-    });
-    if (farthest == 0) return;
-    const float x = ray_x(far_u);
-    const float y = ray_y(far_v);
-    const float width_px = rim_m_ * static_cast<float>(depth_.camera.fx_px) / cells_.least_m[cells_.at(edge_u, edge_v)];
-    const int width = std::clamp(static_cast<int>(width_px / kCellPx + 1), 1, kMaxRimCells);
-    for_cells_around(edge_u, edge_v, width, [&](int u, int v) {
-      const std::size_t at = cells_.at(u, v);
-      if (cells_.kinds[at] != CellKind::kPlane) return;
-      const Cell& plane = cells_.planes[at];
-      const float slope = -(plane.nx * x + plane.ny * y + plane.nz);
-      // Where the plane would meet the far side's ray: slope * z = offset.
-      if (slope * (farthest - rim_m_) > plane.offset_m) cells_.kinds[at] = CellKind::kRim;
-    });
-  }
-
-  template <class Work>
-  void for_cells_around(int cell_u, int cell_v, int reach, const Work& work) const {
-    for (int v = std::max(cell_v - reach, 0); v <= std::min(cell_v + reach, cells_.rows - 1); ++v) {
-      for (int u = std::max(cell_u - reach, 0); u <= std::min(cell_u + reach, cells_.cols - 1); ++u) work(u, v);
     }
   }
 
@@ -283,7 +229,6 @@ class Fitter {
   const stereo::DepthMap& depth_;
   float nearest_;
   float farthest_;
-  float rim_m_;
   SurfaceCells cells_;
   std::vector<Moments> moments_;
   std::vector<Moments> beside_;
@@ -292,8 +237,8 @@ class Fitter {
 
 }  // namespace
 
-SurfaceCells fit_surface_cells(const stereo::DepthMap& depth, double min_range_m, double max_range_m, double rim_m) {
-  return Fitter(depth, min_range_m, max_range_m, rim_m).run();
+SurfaceCells fit_surface_cells(const stereo::DepthMap& depth, double min_range_m, double max_range_m) {
+  return Fitter(depth, min_range_m, max_range_m).run();
 }
 
 }  // namespace arpent::mapping

@@ -20,7 +20,6 @@ enum class CellKind : std::uint8_t {
   kNone = 0,   ///< nothing measured
   kPlane = 1,  ///< `normal . p + offset` is the distance of p to the surface, positive on the camera's side
   kEdge = 2,   ///< depths that no plane fits: an edge, clutter; ask the pixels
-  kRim = 3,  ///< a plane like kPlane, but near an edge: what lies far behind it along the ray may be beyond the object
 };
 
 struct Cell {
@@ -33,16 +32,13 @@ struct SurfaceCells {
   int rows = 0;
   std::vector<Cell> planes;
   std::vector<CellKind> kinds;
-  /// Per cell, the range of depth over the cell [m]; least > most if nothing was measured.
-  std::vector<float> least_m, most_m;
+  std::vector<float> most_m;  ///< per cell, the greatest depth over the cell; 0 if nothing was measured
   [[nodiscard]] std::size_t at(int cell_u, int cell_v) const {
     return static_cast<std::size_t>(cell_v * cols + cell_u);
   }
 };
 
-/// `depth`: only pixels with finite depth in [min_range_m, max_range_m] count. Where the depth
-/// steps by more than `rim_m`, the nearer side is a rim of that width.
-[[nodiscard]] SurfaceCells fit_surface_cells(const stereo::DepthMap& depth, double min_range_m, double max_range_m,
-                                             double rim_m);
+/// `depth`: only pixels with finite depth in [min_range_m, max_range_m] count.
+[[nodiscard]] SurfaceCells fit_surface_cells(const stereo::DepthMap& depth, double min_range_m, double max_range_m);
 
 }  // namespace arpent::mapping

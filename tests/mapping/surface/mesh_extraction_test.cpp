@@ -80,7 +80,7 @@ TEST(MeshExtraction, ASphereIsWatertightRoundAndFacesOutwards) {
 
 TEST(MeshExtraction, EvenNoiseGivesASurfaceWithoutCracks) {
   std::mt19937 generator(3);
-  std::uniform_real_distribution<double> uniform(-1, 1);
+  std::uniform_real_distribution<double> uniform(-0.15, 0.15);  // as far as distances beside a surface may leap
   const TsdfMap map = fill([&](const Eigen::Vector3d&) { return uniform(generator); });
   const TriangleMesh mesh = extract_mesh(map);
   const auto edges = directed_edges(mesh);
@@ -101,6 +101,20 @@ TEST(MeshExtraction, WhatWasNotSeenHasNoSurface) {
     if (block->index.x() >= 0) block->weight.fill(0);
   }
   EXPECT_LT(extract_mesh(map).triangles.size(), before * 6 / 10);
+}
+
+TEST(MeshExtraction, WhereFreeSpaceMeetsAGuessBehindAnObjectThereIsNoSurface) {
+  // A wall at x = 0, known to 0.3 m behind it; from y = 0 on another view has seen free space in its place.
+  const auto distance = [](const Eigen::Vector3d& p) { return p.y() > 0 ? 0.3 : std::max(p.x(), -0.3); };
+  const TriangleMesh mesh = extract_mesh(fill(distance));
+  double area_m2 = 0;
+  for (const auto& [a, b, c] : mesh.triangles) {
+    const Eigen::Vector3f ab = mesh.vertices_m[b] - mesh.vertices_m[a], ac = mesh.vertices_m[c] - mesh.vertices_m[a];
+    area_m2 += 0.5 * ab.cross(ac).norm();
+    for (const auto i : {a, b, c}) EXPECT_GT(mesh.vertices_m[i].x(), -0.1) << "a sheet behind the wall";
+  }
+  // The map spans 3.1 m of voxel centres in z and 1.5 m in y < 0.
+  EXPECT_NEAR(area_m2, 3.1 * 1.5, 0.5) << "the wall itself stays";
 }
 
 TEST(MeshExtraction, MeshingOnlyWhatChangedGivesTheSameMesh) {

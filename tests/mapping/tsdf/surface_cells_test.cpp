@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The arpent authors
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// Planes of cells against a dense least-squares solver, rims behind a post, and the whole integration against a naive
+// Planes of cells against a dense least-squares solver, and the whole integration against a naive
 // one that asks every voxel of a box.
 #include "mapping/tsdf/surface_cells.h"
 
@@ -17,7 +17,7 @@ namespace arpent::mapping {
 namespace {
 
 const PinholeCamera kCamera{160, 128, 94, 94, 79.5, 63.5};
-constexpr double kNear = 0.3, kFar = 5.0, kRim = 0.25;
+constexpr double kNear = 0.3, kFar = 5.0;
 
 stereo::DepthMap empty() {
   return {kCamera, cv::Mat1f(kCamera.height_px, kCamera.width_px, 0.0F),
@@ -47,7 +47,7 @@ stereo::DepthMap cluttered(int seed) {
 
 TEST(SurfaceCells, PlanesAreThoseOfADenseSolver) {
   const stereo::DepthMap depth = cluttered(1);
-  const SurfaceCells cells = fit_surface_cells(depth, kNear, kFar, kRim);
+  const SurfaceCells cells = fit_surface_cells(depth, kNear, kFar);
   int compared = 0;
   for (int cv = 1; cv + 1 < cells.rows; ++cv) {
     for (int cu = 1; cu + 1 < cells.cols; ++cu) {
@@ -78,19 +78,6 @@ TEST(SurfaceCells, PlanesAreThoseOfADenseSolver) {
   EXPECT_GT(compared, 300);
 }
 
-TEST(SurfaceCells, TheLimbsOfAPostAreRimsAndTheWallBehindIsNot) {
-  const SurfaceCells cells = fit_surface_cells(cluttered(2), kNear, kFar, kRim);
-  int rims_on_post = 0, rims_on_wall = 0;
-  for (int v = 0; v < cells.rows; ++v) {
-    for (int u = 0; u < cells.cols; ++u) {
-      if (cells.kinds[cells.at(u, v)] != CellKind::kRim) continue;
-      (std::abs(4 * u + 2 - 70) < 30 ? rims_on_post : rims_on_wall) += 1;
-    }
-  }
-  EXPECT_GT(rims_on_post, 0);
-  EXPECT_EQ(rims_on_wall, 0);
-}
-
 /// What the header of TsdfMap promises, voxel by voxel in doubles, without blocks to leave out.
 Voxel ask_naively(const stereo::DepthMap& depth, const SurfaceCells& cells, const Eigen::Vector3d& p, double voxel_m,
                   double truncation_m) {
@@ -110,13 +97,11 @@ Voxel ask_naively(const stereo::DepthMap& depth, const SurfaceCells& cells, cons
       if (distance < -voxel_m) return {};
       break;
     }
-    case CellKind::kPlane:
-    case CellKind::kRim: {
+    case CellKind::kPlane: {
       const Cell& c = cells.planes[at];
       const Eigen::Vector3d n(c.nx, c.ny, c.nz);
       distance = n.dot(p) + c.offset_m;
       if (distance < -truncation_m) return {};
-      if (cells.kinds[at] == CellKind::kRim && distance < -voxel_m) return {};
       const double behind = p.z() - p.z() * c.offset_m / -n.dot(p);
       if (distance < 0 && behind > 4 * truncation_m) return {};
     }
@@ -134,7 +119,7 @@ TEST(TsdfMap, TheFastIntegrationSaysWhatANaiveOneSays) {
   Pose T_map_cam(Eigen::Translation3d(0.33, -0.21, 0.4) *
                  Eigen::AngleAxisd(0.4, Eigen::Vector3d(1, 2, 0.5).normalized()));
   ASSERT_TRUE(map.integrate(depth, T_map_cam));
-  const SurfaceCells cells = fit_surface_cells(depth, kNear, kFar, kRim);
+  const SurfaceCells cells = fit_surface_cells(depth, kNear, kFar);
   const Pose T_cam_map = T_map_cam.inverse();
   int seen = 0, differing = 0;
   for (int z = -60; z < 70; ++z) {

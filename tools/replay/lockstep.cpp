@@ -26,10 +26,6 @@ double process_cpu_s() {
   return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
 }
 
-ProcessFigures figures_of(const Bus& bus) {
-  return {bus.health().counters(), bus.health().handler_ms(), bus.health().messages()};
-}
-
 }  // namespace
 
 void Collector::take(Time time, const std::string& channel, BytesView bytes) {
@@ -71,30 +67,15 @@ ReplayResult run_lockstep(const ReplayInput& input, const ReplayOptions& options
   std::unique_ptr<LogWriter> log;
   if (!options.out_log.empty()) log = std::make_unique<LogWriter>(options.out_log);
   Collector collector(result, log.get());
-  LockstepExecutor executor(input.pairs.front(), options.threads);
+  LockstepStack stack(input.pairs.front(), options.threads);
+  LockstepExecutor& executor = stack.executor();
   executor.set_tap(
       [&](Time time, const std::string& channel, BytesView bytes) { collector.take(time, channel, bytes); });
-  std::map<std::string, Bus*> buses;
-  const auto add = [&](const char* name) {
-    const auto endpoint = executor.add_process(name);
-    buses[name] = &endpoint.bus;
-    return endpoint;
-  };
-  std::unique_ptr<DepthProcess> depth;
-  std::unique_ptr<OdometryProcess> odometry;
-  std::unique_ptr<MappingProcess> mapping;
-  if (options.processes.contains("depth")) {
-    const auto [bus, clock] = add(DepthProcess::kName);
-    depth = std::make_unique<DepthProcess>(input.config.depth, bus, clock);
-  }
-  if (options.processes.contains("odometry")) {
-    const auto [bus, clock] = add(OdometryProcess::kName);
-    odometry = std::make_unique<OdometryProcess>(input.config.odometry, bus, clock);
-  }
-  if (options.processes.contains("mapping")) {
-    const auto [bus, clock] = add(MappingProcess::kName);
-    mapping = std::make_unique<MappingProcess>(input.config.mapping, bus, clock);
-  }
+  const bool depth = options.processes.contains("depth"), odometry = options.processes.contains("odometry");
+  if (depth) stack.add<DepthProcess>(input.config.depth);
+  if (odometry) stack.add<OdometryProcess>(input.config.odometry);
+  const MappingProcess* mapping =
+      options.processes.contains("mapping") ? &stack.add<MappingProcess>(input.config.mapping) : nullptr;
   LogReader reader(input.log);
   const Window window(input.pairs.front(), options);
   std::size_t seen = 0;
@@ -111,12 +92,10 @@ ReplayResult run_lockstep(const ReplayInput& input, const ReplayOptions& options
     show_progress("replay", seen, input.pairs.size());
   }
   executor.run_until_idle();
-  if (mapping) {
-    mapping->finish();
-    result.mesh = mapping::extract_mesh(mapping->map());
-  }
+  stack.finish();
+  if (mapping != nullptr) result.mesh = mapping::extract_mesh(mapping->map());
   if (log) log->close();
-  for (const auto& [name, bus] : buses) result.processes[name] = figures_of(*bus);
+  result.processes = stack.figures();
   result.cpu_s = process_cpu_s() - cpu_start;
   result.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - wall_start).count();
   return result;

@@ -21,6 +21,7 @@
 #include "perception/process/depth_process.h"
 #include "perception/process/odometry_process.h"
 #include "tools/evaluation/trajectory.h"
+#include "tools/stack/lockstep_stack.h"
 
 namespace arpent::tools {
 
@@ -64,12 +65,6 @@ struct ReplayOptions {
   std::set<std::string> processes{"depth", "odometry", "mapping"};
   std::filesystem::path out_log;  ///< what was published, as a log; empty: nowhere
   int threads = 2;
-};
-
-struct ProcessFigures {
-  std::map<std::string, std::int64_t> counters;
-  std::map<std::string, std::vector<double>> handler_ms;
-  std::vector<std::pair<std::string, std::int64_t>> messages;
 };
 
 struct ReplayResult {

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "sim/robot/sim_imu.h"
+#include "sim/robot/sim_odometry.h"
 #include "sim/robot/sim_robot.h"
 
 namespace arpent::sim {
@@ -72,6 +73,39 @@ TEST(SimImu, BiasesDifferBetweenSeedsAndSpeedingUpIsFelt) {
   const ImuReading first = a.read({0, 0}, 0.01);
   EXPECT_NE(first.angular_velocity_radps.z(), b.read({0, 0}, 0.01).angular_velocity_radps.z());
   EXPECT_NEAR(a.read({0.01, 0}, 0.01).acceleration_mps2.x() - first.acceleration_mps2.x(), 1.0, 1e-9);
+}
+
+TEST(SimOdometry, WithoutNoiseItIsTheTruthFromTheStart) {
+  SimOdometry odometry({0, 0, 0, 0}, 1);
+  Pose2 pose{2, 1, 0.5};
+  const Pose T_world_start = pose.to_pose();
+  (void)odometry.move_to(pose);
+  SimulatedStep step;
+  for (int i = 0; i < 50; ++i) {
+    pose = move_along_arc(pose, {0.5, 0.4}, 0.2);
+    step = odometry.move_to(pose);
+  }
+  // What a standing camera measures is not exact either: 0.2 mm and 0.1 mrad a step.
+  EXPECT_LT((T_world_start * step.T_odom_body.translation() - pose.to_pose().translation()).norm(), 0.01);
+}
+
+TEST(SimOdometry, ErrorsOverManySeedsAreAsStated) {
+  double normalised = 0;
+  constexpr int kSeeds = 400;
+  for (int seed = 1; seed <= kSeeds; ++seed) {
+    SimOdometry odometry({}, static_cast<std::uint64_t>(seed));
+    Pose2 pose;
+    SimulatedStep first, second;
+    (void)odometry.move_to(pose);
+    first = odometry.move_to(move_along_arc(pose, {0.5, 0.4}, 0.2));
+    const Pose2 next = move_along_arc(pose, {0.5, 0.4}, 0.2);
+    second = odometry.move_to(move_along_arc(next, {0.5, 0.4}, 0.2));
+    const Pose T_true = next.to_pose().inverse() * move_along_arc(next, {0.5, 0.4}, 0.2).to_pose();
+    const Vector6d e = local(T_true, first.T_odom_body.inverse() * second.T_odom_body);
+    const Matrix6d& P = second.step_covariance;
+    normalised += (e(0) * e(0) / P(0, 0) + e(1) * e(1) / P(1, 1) + e(5) * e(5) / P(5, 5)) / (3 * kSeeds);
+  }
+  EXPECT_NEAR(normalised, 1, 0.15);
 }
 
 }  // namespace

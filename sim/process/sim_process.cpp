@@ -1,0 +1,200 @@
+// SPDX-FileCopyrightText: The arpent authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim/process/sim_process.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <vector>
+
+#include "common/bus/typed.h"
+#include "common/channels.h"
+#include "common/config/rig.h"
+#include "common/config/robot.h"
+#include "common/error.h"
+#include "drivers/base/agilex_chassis.h"
+#include "drivers/can/open_port.h"
+#include "sim/camera/depth_noise.h"
+#include "sim/camera/renderer.h"
+#include "sim/robot/exposure.h"
+#include "sim/robot/sim_robot.h"
+#include "sim/wire.h"
+#include "sim/world/ground.h"
+#include "sim/world/world.h"
+
+namespace arpent {
+namespace {
+
+/// The chassis' own cycle; wheels, inertial unit and truth go by it.
+constexpr Duration kCycle = std::chrono::milliseconds(20);
+constexpr double kCycleS = 0.02;
+constexpr int kSubsteps = 4;
+/// What the alignment of `sensing: depth` is worth, as tags at 2 m are (bench `square`).
+constexpr double kAlignmentSigmaM = 0.004;
+constexpr double kAlignmentSigmaRad = 0.002;
+constexpr std::int64_t kAlignmentSequence = 3;
+
+std::uint64_t seed_of(int seed, std::uint64_t what) {
+  return static_cast<std::uint64_t>(seed) * 1000003 + what;
+}
+
+Pose2 start_of(const sim::World& world, int start) {
+  if (static_cast<std::size_t>(start) >= world.starts.size()) {
+    throw InputError("world " + world.name + " has " + std::to_string(world.starts.size()) +
+                     " starts; there is no start " + std::to_string(start));
+  }
+  return world.starts[static_cast<std::size_t>(start)];
+}
+
+base::ChassisParams chassis_of(const SimChassis& sim, const RobotConfig& robot) {
+  base::ChassisParams params;
+  params.track_m = robot.track_m * (1 + sim.track_error);
+  params.lag_s = sim.lag_s;
+  params.slip = sim.slip;
+  return params;
+}
+
+/// The velocity of the left camera in its own axes while the body moves on the ground.
+Vector6d camera_twist(const Twist2& body, const Pose& T_body_cam) {
+  const Eigen::Vector3d turn(0, 0, body.turn_rate_radps);
+  const Eigen::Vector3d linear = Eigen::Vector3d(body.speed_mps, 0, 0) + turn.cross(T_body_cam.translation());
+  const Eigen::Matrix3d R_cam_body = T_body_cam.linear().transpose();
+  Vector6d twist;
+  twist << R_cam_body * linear, R_cam_body * turn;
+  return twist;
+}
+
+}  // namespace
+
+struct SimProcess::State {
+  Config config;
+  Bus& bus;
+  Clock& clock;
+  sim::World world;
+  sim::Ground ground;
+  sim::Renderer renderer;
+  RobotConfig robot_config;
+  Rig rig;
+  sim::CameraModel left, right;
+  std::unique_ptr<can::CanPort> port;
+  base::AgilexChassis chassis;
+  sim::SimRobot robot;
+  sim::SimImu imu;
+  sim::SimOdometry odometry;
+  sim::ExposureControl exposure;
+  std::int64_t cycle = 0, pair = 0;
+  std::int64_t cycles_per_pair = 10;
+  /// What the cameras have taken and not yet handed over.
+  std::vector<std::pair<std::string, Bytes>> in_transfer;
+  std::optional<Pose> T_odom_last;
+  std::mt19937_64 alignment_random;
+
+  State(const Config& c, Bus& process_bus, Clock& process_clock)
+      : config(c),
+        bus(process_bus),
+        clock(process_clock),
+        world(sim::load_world(c.world)),
+        ground(world),
+        renderer(world),
+        robot_config(config::load<RobotConfig>(c.robot)),
+        rig(load_rig(robot_config.rig)),
+        left(rig.calibration.left),
+        right(rig.calibration.right),
+        port(can::open_port(c.can, "chassis", process_bus, process_clock)),
+        chassis(chassis_of(c.chassis, robot_config), *port),
+        robot(start_of(world, c.start), [this](const Pose2& pose) { return touches(pose); }),
+        imu(c.imu, seed_of(c.seed, 1)),
+        odometry(c.odometry, seed_of(c.seed, 2)),
+        alignment_random(seed_of(c.seed, 3)) {
+    cycles_per_pair = std::max<std::int64_t>(1, std::llround(1 / (rig.config.rate_hz * kCycleS)));
+  }
+
+  [[nodiscard]] bool touches(const Pose2& pose) const {
+    return ground.hits(pose, {robot_config.semi_axis_long_m, robot_config.semi_axis_short_m});
+  }
+
+  void step() {
+    const Time now = clock.now();
+    hand_over();
+    chassis.set_blocked(robot.in_contact());
+    chassis.step(now, kCycleS);
+    const Twist2 pushed = chassis.twist();
+    for (int i = 0; i < kSubsteps; ++i) robot.step(pushed, kCycleS / kSubsteps);
+    publish(bus, channels::kImu, sim::to_wire(now, cycle, imu.read(robot.twist(), kCycleS)));
+    publish(bus, channels::kTruthPose, sim::to_wire(now, robot.pose()));
+    if (cycle++ % cycles_per_pair != 0) return;
+    if (config.sensing == "images") {
+      take_images(now);
+    } else {
+      take_depth(now);
+    }
+    ++pair;
+  }
+
+  /// Readout and transfer take a cycle.
+  void hand_over() {
+    for (const auto& [channel, bytes] : in_transfer) bus.publish_bytes(channel, bytes);
+    in_transfer.clear();
+  }
+
+  template <class Message>
+  void transfer(const char* channel, const Message& message) {
+    in_transfer.emplace_back(channel, encode(message));
+  }
+
+  sim::CameraImage take(const sim::CameraModel& camera, const Pose& T_body_cam, std::uint64_t which) const {
+    sim::CameraShot shot;
+    shot.twist_cam = camera_twist(robot.twist(), T_body_cam);
+    shot.exposure_s = exposure.exposure_s();
+    shot.gain = exposure.gain();
+    shot.seed = seed_of(config.seed, 16 + 2 * static_cast<std::uint64_t>(pair) + which);
+    return renderer.render(camera, robot.pose().to_pose() * T_body_cam, shot);
+  }
+
+  void take_images(Time now) {
+    const Pose& T_body_left = rig.calibration.T_body_left;
+    const cv::Mat1b left_image = take(left, T_body_left, 0).image;
+    const cv::Mat1b right_image = take(right, T_body_left * rig.calibration.T_right_left.inverse(), 1).image;
+    transfer(channels::kStereoImages,
+             sim::to_wire(now, pair, exposure.exposure_s(), exposure.gain(), left_image, right_image));
+    exposure.update(left_image, right_image);
+  }
+
+  void take_depth(Time now) {
+    const PinholeCamera& camera = rig.calibration.left.pinhole;
+    const double Bf = rig.calibration.T_right_left.translation().norm() * camera.fx_px;
+    const cv::Mat1f exact_m = take(left, rig.calibration.T_body_left, 0).depth_m;
+    const sim::NoisyDepth noisy = sim::add_depth_noise(exact_m, Bf, rig.config.min_range_m, rig.config.max_range_m,
+                                                       seed_of(config.seed, 16 + static_cast<std::uint64_t>(pair)));
+    transfer(channels::kDepth, sim::to_wire(now, pair, camera, noisy.depth_m, noisy.sigma_m));
+    const sim::SimulatedStep step = odometry.move_to(robot.pose());
+    const Pose T_last_now = T_odom_last.value_or(step.T_odom_body).inverse() * step.T_odom_body;
+    const double duration_s = T_odom_last ? static_cast<double>(cycles_per_pair) * kCycleS : 0.0;
+    transfer(channels::kOdometry, sim::to_wire(now, pair, step, T_last_now, duration_s));
+    T_odom_last = step.T_odom_body;
+    if (pair == kAlignmentSequence) align(now, step.T_odom_body);
+  }
+
+  void align(Time now, const Pose& T_odom_body) {
+    std::normal_distribution<double> normal;
+    Vector6d error = Vector6d::Zero();
+    error(0) = kAlignmentSigmaM * normal(alignment_random);
+    error(1) = kAlignmentSigmaM * normal(alignment_random);
+    error(5) = kAlignmentSigmaRad * normal(alignment_random);
+    const Pose T_world_odom = retract(robot.pose().to_pose(), error) * T_odom_body.inverse();
+    transfer(channels::kFrameAlignment, sim::to_wire(now, T_world_odom, kAlignmentSigmaM, kAlignmentSigmaRad));
+  }
+};
+
+SimProcess::SimProcess(const Config& config, Bus& bus, Clock& clock)
+    : state_(std::make_unique<State>(config, bus, clock)) {
+  clock.every(kCycle, [this] { state_->step(); });
+}
+
+SimProcess::~SimProcess() = default;
+
+int SimProcess::collisions() const {
+  return state_->robot.collisions();
+}
+
+}  // namespace arpent

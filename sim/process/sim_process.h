@@ -1,0 +1,82 @@
+// SPDX-FileCopyrightText: The arpent authors
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// sim_process: the hardware that is not there. A robot in a simulated world: its chassis listens and answers on the CAN
+// bus, its cameras and its inertial unit publish what real ones would. Nothing above it can tell, but for TRUTH_POSE,
+// which is for evaluation alone.
+//
+// With `sensing: depth` it stands in for perception as well: DEPTH with the noise of the thesis' numerical experiments,
+// ODOMETRY that drifts, one FRAME_ALIGNMENT. Missions that are about planning run ten times as fast this way.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "common/bus/bus.h"
+#include "common/config/fields.h"
+#include "sim/robot/sim_imu.h"
+#include "sim/robot/sim_odometry.h"
+
+namespace arpent {
+
+struct SimChassis {
+  double lag_s = 0.1;
+  double slip = 0.01;
+  double track_error = 0.01;
+
+  template <class Self, class Visitor>
+  static void describe(Self& self, Visitor& visitor) {
+    visitor.field("lag_s", self.lag_s, "time constant of the motors", config::between(0.0, 2.0));
+    visitor.field("slip", self.slip, "share of the wheels' way that the ground does not get",
+                  config::between(0.0, 0.9));
+    visitor.field("track_error", self.track_error, "by how much the effective track is wider than the robot file says",
+                  config::between(-0.5, 0.5));
+  }
+};
+
+struct SimConfig {
+  std::filesystem::path world;
+  std::filesystem::path robot;
+  int start = 0;
+  int seed = 1;
+  std::string sensing = "images";
+  std::string can = "bus";
+  SimChassis chassis;
+  sim::ImuNoise imu;
+  sim::OdometryNoise odometry;
+
+  template <class Self, class Visitor>
+  static void describe(Self& self, Visitor& visitor) {
+    visitor.field("world", self.world, "world file (docs/worlds.md)", config::required_path());
+    visitor.field("robot", self.robot, "robot file", config::required_path());
+    visitor.field("start", self.start, "which of the world's starts, from 0", config::at_least(0));
+    visitor.field("seed", self.seed, "seed of all noise", config::at_least(0));
+    visitor.field("sensing", self.sensing, "images: cameras; depth: depth and odometry, for missions about planning",
+                  config::one_of({"images", "depth"}));
+    visitor.field("can", self.can, "the chassis' place on the CAN bus: `bus` (messages on channel CAN) or socket:PATH");
+    visitor.group("chassis", self.chassis, "the motor base");
+    visitor.group("imu", self.imu, "the inertial unit");
+    visitor.group("odometry", self.odometry, "drift of the odometry that `sensing: depth` gives");
+  }
+};
+
+class SimProcess {
+ public:
+  using Config = SimConfig;
+  static constexpr char kName[] = "sim_process";
+  static constexpr char kHelp[] = "Simulates a robot in a world: CAN chassis, stereo cameras, inertial unit.";
+
+  /// Throws InputError for a world or a robot that cannot be used.
+  SimProcess(const Config& config, Bus& bus, Clock& clock);
+  ~SimProcess();
+
+  void finish() {}
+  [[nodiscard]] int collisions() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace arpent

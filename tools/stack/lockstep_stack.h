@@ -1,0 +1,63 @@
+// SPDX-FileCopyrightText: The arpent authors
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// Processes together in one lockstep executor: what replays and simulated missions run on.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "common/bus/lockstep.h"
+
+namespace arpent::tools {
+
+/// What a process knows of itself at the end of a run.
+struct ProcessFigures {
+  std::map<std::string, std::int64_t> counters;
+  std::map<std::string, std::vector<double>> handler_ms;
+  std::vector<std::pair<std::string, std::int64_t>> messages;
+};
+
+class LockstepStack {
+ public:
+  LockstepStack(Time start, int threads) : executor_(start, threads) {}
+
+  /// Constructs the process on the bus; it lives as long as the stack. Outputs of one moment commit in the order of
+  /// addition.
+  template <class Process>
+  Process& add(const typename Process::Config& config) {
+    const auto [bus, clock] = executor_.add_process(Process::kName);
+    auto process = std::make_shared<Process>(config, bus, clock);
+    members_.push_back({Process::kName, &bus, process, [process] { process->finish(); }});
+    return *process;
+  }
+
+  [[nodiscard]] LockstepExecutor& executor() { return executor_; }
+  /// The orderly end of all, in the order of addition.
+  void finish() {
+    for (const Member& member : members_) member.finish();
+  }
+  [[nodiscard]] std::map<std::string, ProcessFigures> figures() const {
+    std::map<std::string, ProcessFigures> all;
+    for (const Member& member : members_) {
+      const Health& health = member.bus->health();
+      all[member.name] = {health.counters(), health.handler_ms(), health.messages()};
+    }
+    return all;
+  }
+
+ private:
+  struct Member {
+    std::string name;
+    Bus* bus;
+    std::shared_ptr<void> process;  // shared: `finish` holds it too
+    std::function<void()> finish;
+  };
+  LockstepExecutor executor_;  // before the processes that live on its buses
+  std::vector<Member> members_;
+};
+
+}  // namespace arpent::tools

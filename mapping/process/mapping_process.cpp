@@ -10,6 +10,7 @@
 #include "mapping/surface/mesh_extraction.h"
 #include "mapping/tsdf/map_file.h"
 #include "mapping/wire.h"
+#include "perception/fusion/wire.h"
 #include "perception/odometry/wire.h"
 #include "perception/stereo/rectifier.h"
 #include "perception/stereo/wire.h"
@@ -17,8 +18,23 @@
 namespace arpent {
 namespace {
 
-/// Depth that falls this far behind the newest depth without its odometry is passed over.
+/// Depth that falls this far behind the newest depth without its pose is passed over.
 constexpr Duration kHorizon = std::chrono::seconds(10);
+
+/// Where the body was when a pair was taken; a fault if that is not known.
+using PairPose = Result<Pose>;
+
+PairPose to_pair_pose(const odometry::BodyOdometry& odometry) {
+  if (odometry.status == odometry::Status::kLost) return Fault{"odometry lost"};
+  return odometry.T_odom_body;
+}
+
+PairPose to_pair_pose(const fusion::FusedPose& pose, const std::string& map_frame) {
+  if (pose.status == fusion::Status::kLost) return Fault{"pose lost"};
+  const bool world = pose.frame == fusion::Frame::kWorld;
+  if (world != (map_frame == "world")) return Fault{"the pose is not in frame " + map_frame + " yet"};
+  return pose.T_frame_body;
+}
 
 }  // namespace
 
@@ -28,7 +44,7 @@ struct MappingProcess::State {
   Pose T_body_cam;
   mapping::TsdfMap map;
   mapping::MapStatus status;
-  TimeJoin<stereo::StampedDepth, odometry::BodyOdometry> join{kHorizon};
+  TimeJoin<stereo::StampedDepth, PairPose> join{kHorizon};
 
   State(const Config& process_config, Bus& process_bus)
       : config(process_config),
@@ -49,12 +65,12 @@ struct MappingProcess::State {
     bus.health().warn("depth not fused: " + reason);
   }
 
-  void fuse(const stereo::StampedDepth& depth, const odometry::BodyOdometry& odometry) {
-    map.integrate(depth.map, odometry.T_odom_body * T_body_cam);
+  void fuse(const stereo::StampedDepth& depth, const Pose& T_map_body) {
+    map.integrate(depth.map, T_map_body * T_body_cam);
     ++status.integrated;
     status.stamp = depth.stamp;
     status.depth_sequence = depth.sequence;
-    status.odometry_stamp = odometry.stamp;
+    status.odometry_stamp = depth.stamp;
     status.block_count = static_cast<std::int64_t>(map.block_count());
     status.known_voxel_count = static_cast<std::int64_t>(map.known_voxel_count());
     status.digest = map.digest();
@@ -70,7 +86,13 @@ MappingProcess::MappingProcess(const Config& config, Bus& bus, Clock& /*clock*/)
   subscribe<depth_t>(bus, channels::kDepth, options, [this](const depth_t& message) { on_depth(message); });
   options.latency = Duration(0);
   options.queue_capacity = 128;
-  subscribe<odometry_t>(bus, channels::kOdometry, options, [this](const odometry_t& message) { on_odometry(message); });
+  if (config.pose_source == "odometry") {
+    subscribe<odometry_t>(bus, channels::kOdometry, options,
+                          [this](const odometry_t& message) { on_odometry(message); });
+  } else {
+    subscribe<body_pose_t>(bus, channels::kPairPose, options,
+                           [this](const body_pose_t& message) { on_pair_pose(message); });
+  }
 }
 
 MappingProcess::~MappingProcess() = default;
@@ -89,22 +111,31 @@ void MappingProcess::on_depth(const depth_t& message) {
 }
 
 void MappingProcess::on_odometry(const odometry_t& message) {
-  auto odometry = odometry::from_wire(message);
+  const auto odometry = odometry::from_wire(message);
   if (!odometry) return state_->refuse(channels::kOdometry, odometry.fault());
-  if (!state_->join.push_right(odometry->stamp, std::move(*odometry))) {
+  if (!state_->join.push_right(odometry->stamp, to_pair_pose(*odometry))) {
     return state_->refuse(channels::kOdometry, "its time is not after the last one's");
   }
   fuse_ready();
 }
 
+void MappingProcess::on_pair_pose(const body_pose_t& message) {
+  const auto pose = fusion::from_wire(message);
+  if (!pose) return state_->refuse(channels::kPairPose, pose.fault());
+  if (!state_->join.push_right(pose->stamp, to_pair_pose(*pose, state_->config.map_frame))) {
+    return state_->refuse(channels::kPairPose, "its time is not after the last one's");
+  }
+  fuse_ready();
+}
+
 void MappingProcess::fuse_ready() {
-  for (const auto& [stamp, depth, odometry] : state_->join.take()) {
-    if (!odometry) {
-      state_->reject("no odometry of the same pair");
-    } else if (odometry->status == odometry::Status::kLost) {
-      state_->reject("odometry lost");
+  for (const auto& [stamp, depth, pose] : state_->join.take()) {
+    if (!pose) {
+      state_->reject("no pose of the same pair");
+    } else if (!*pose) {
+      state_->reject(pose->fault());
     } else {
-      state_->fuse(depth, *odometry);
+      state_->fuse(depth, **pose);
     }
   }
 }

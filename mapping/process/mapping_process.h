@@ -15,11 +15,14 @@
 
 namespace arpent {
 
+class body_pose_t;
 class depth_t;
 class odometry_t;
 
 struct MappingConfig {
   std::filesystem::path rig;
+  std::string pose_source = "odometry";
+  std::string map_frame = "world";
   mapping::TsdfParams tsdf;
   std::filesystem::path map_file;
   std::filesystem::path mesh_file;
@@ -28,6 +31,11 @@ struct MappingConfig {
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visitor) {
     visitor.field("rig", self.rig, "rig file: intrinsics and mounting of the stereo camera", config::required_path());
+    visitor.field("pose_source", self.pose_source,
+                  "odometry: the map lies in odom; pair_pose: the fused pose, the map lies in map_frame",
+                  config::one_of({"odometry", "pair_pose"}));
+    visitor.field("map_frame", self.map_frame, "with pair_pose: depth is passed over until the pose is of this frame",
+                  config::one_of({"world", "odom"}));
     visitor.group("tsdf", self.tsdf, "the map");
     visitor.field("map_file", self.map_file, "where the map is saved at the end; empty: nowhere");
     visitor.field("mesh_file", self.mesh_file, "where the mesh (PLY) is saved at the end; empty: nowhere");
@@ -54,6 +62,7 @@ class MappingProcess {
   struct State;
   void on_depth(const depth_t& message);
   void on_odometry(const odometry_t& message);
+  void on_pair_pose(const body_pose_t& message);
   void fuse_ready();
   std::unique_ptr<State> state_;
 };

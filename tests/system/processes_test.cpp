@@ -15,8 +15,11 @@
 #include "common/channels.h"
 #include "common/config/rig.h"
 #include "common/error.h"
+#include "common/pose2.h"
 #include "mapping/process/mapping_process.h"
+#include "mapping/tsdf/storage.h"
 #include "mapping/wire.h"
+#include "perception/fusion/wire.h"
 #include "perception/odometry/wire.h"
 #include "perception/process/depth_process.h"
 #include "perception/process/odometry_process.h"
@@ -115,6 +118,34 @@ TEST_F(ProcessesTest, EachPairGivesDepthOdometryAndAMapState) {
   EXPECT_EQ(states.back().utime, to_utime(pair(3).stamp));
   EXPECT_EQ(states.back().odometry_utime, states.back().utime);
   EXPECT_GT(states.back().block_count, 10);
+}
+
+/// PAIR_POSE says the truth; the map lies where it says.
+TEST_F(ProcessesTest, WithPairPosesTheMapLiesInTheWorldAndWaitsForIt) {
+  MappingConfig config;
+  config.rig = rig_file_;
+  config.pose_source = "pair_pose";
+  const auto [bus, clock] = executor_.add_process("mapping_in_world");
+  MappingProcess mapping(config, bus, clock);
+  const auto give_pose = [&](int number, const char* frame) {
+    fusion::FusedPose pose;
+    pose.stamp = pair(number).stamp;
+    pose.T_frame_body = Pose2{2.7, 3.5, 1.6}.to_pose();
+    pose.frame = std::string(frame) == "world" ? fusion::Frame::kWorld : fusion::Frame::kOdom;
+    pose.status = fusion::Status::kOk;
+    executor_.inject(pose.stamp, channels::kPairPose, encode(fusion::to_wire(pose, number)));
+  };
+  give_pose(0, "odom");
+  play(pair(0));
+  EXPECT_EQ(mapping.map().block_count(), 0U) << "not aligned yet";
+  EXPECT_EQ(bus.health().counter(channels::kDepth, "rejected"), 1);
+  give_pose(1, "world");
+  play(pair(1));
+  EXPECT_GT(mapping.map().block_count(), 10U);
+  for (const auto& block : mapping.map().storage().blocks) {
+    const Eigen::Vector3d centre = mapping.map().centre_m(8 * block->index);
+    EXPECT_GT(centre.y(), 2.0) << "the camera looks along +y from y = 3.5";
+  }
 }
 
 TEST_F(ProcessesTest, TheMapIsSavedAtAnOrderlyEnd) {

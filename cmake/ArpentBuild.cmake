@@ -76,6 +76,9 @@ find_package(Threads REQUIRED)
 find_package(PkgConfig REQUIRED)
 pkg_check_modules(ZSTD REQUIRED IMPORTED_TARGET libzstd)
 pkg_check_modules(LCM REQUIRED IMPORTED_TARGET lcm)
+pkg_check_modules(APRILTAG REQUIRED IMPORTED_TARGET apriltag)
+find_package(embree 3 REQUIRED)
+find_package(assimp REQUIRED)
 
 # Debian ships OpenCVConfig.cmake only with the 670 MB libopencv-dev, so its modules are found one by one.
 find_path(OPENCV_INCLUDE_DIR opencv2/core.hpp PATH_SUFFIXES opencv4 REQUIRED)

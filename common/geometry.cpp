@@ -36,6 +36,17 @@ Vector6d local(const Pose& T_a_b, const Pose& T_a_c) {
   return delta;
 }
 
+Matrix6d adjoint(const Pose& T_a_b) {
+  Eigen::Matrix3d skew;
+  const Eigen::Vector3d t = T_a_b.translation();
+  skew << 0, -t.z(), t.y(), t.z(), 0, -t.x(), -t.y(), t.x(), 0;
+  Matrix6d Ad = Matrix6d::Zero();
+  Ad.topLeftCorner<3, 3>() = T_a_b.linear();
+  Ad.bottomRightCorner<3, 3>() = T_a_b.linear();
+  Ad.topRightCorner<3, 3>() = skew * T_a_b.linear();
+  return Ad;
+}
+
 Pose interpolate(const Pose& from, const Pose& to, double s) {
   Pose pose = Pose::Identity();
   pose.linear() =

@@ -28,18 +28,6 @@ bool is_covariance(const Matrix6d& m) {
   return m.allFinite() && (m.diagonal().array() >= 0).all();
 }
 
-/// Adjoint of T_a_b for tangents (translation, rotation): the same small motion seen from a instead of b.
-Matrix6d adjoint(const Pose& T_a_b) {
-  Eigen::Matrix3d skew;
-  const Eigen::Vector3d t = T_a_b.translation();
-  skew << 0, -t.z(), t.y(), t.z(), 0, -t.x(), -t.y(), t.x(), 0;
-  Matrix6d Ad = Matrix6d::Zero();
-  Ad.topLeftCorner<3, 3>() = T_a_b.linear();
-  Ad.bottomRightCorner<3, 3>() = T_a_b.linear();
-  Ad.topRightCorner<3, 3>() = skew * T_a_b.linear();
-  return Ad;
-}
-
 }  // namespace
 
 odometry_t to_wire(const BodyOdometry& odometry) {

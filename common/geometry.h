@@ -26,7 +26,7 @@ using Matrix6d = Eigen::Matrix<double, 6, 6>;
 [[nodiscard]] Vector6d local(const Pose& T_a_b, const Pose& T_a_c);
 
 /// Adjoint of T_a_b for tangents (translation, rotation): the same small motion seen from a instead of b, so that
-/// `T_a_b * exp(d) = exp(adjoint(T_a_b) * d) * T_a_b` to first order.
+/// `T_a_b * exp(d) = exp(Ad d) * T_a_b` to first order. A covariance moves by `Ad C Ad^T`.
 [[nodiscard]] Matrix6d adjoint(const Pose& T_a_b);
 
 /// The pose a share `s` in [0, 1] of the way from `from` to `to`: linear translation, spherical rotation.

@@ -1,24 +1,72 @@
 // SPDX-FileCopyrightText: The arpent authors
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// The robot file (config/robots): footprint, limits, and which rig it carries.
+// The robot file (config/robots): footprint, limits, the motor base, and which rig it carries.
 #pragma once
 
 #include <filesystem>
 #include <string>
 
 #include "common/config/config.h"
+#include "common/config/limits.h"
 
 namespace arpent {
+
+/// What turns ways of the two sides into motion of the body.
+struct BaseGeometry {
+  double track_m = 0.583;  ///< effective distance of the sides: skid steering makes it larger than the measured one
+  double left_scale = 1.0;
+  double right_scale = 1.0;
+
+  template <class Self, class Visitor>
+  static void describe(Self& self, Visitor& visitor) {
+    visitor.field("track_m", self.track_m, "effective distance of left and right wheels", config::between(0.05, 5.0));
+    visitor.field("left_scale", self.left_scale, "true way of the left side over what its odometer says",
+                  config::between(0.5, 2.0));
+    visitor.field("right_scale", self.right_scale, "the same on the right", config::between(0.5, 2.0));
+  }
+};
+
+/// Units of a Wifibot board: they vary twelvefold between robots.
+struct WifibotUnits {
+  double odometer_ticks_per_m = 5312;
+  double command_ticks_per_mps = 265.6;  ///< the board takes ticks per 50 ms
+
+  template <class Self, class Visitor>
+  static void describe(Self& self, Visitor& visitor) {
+    visitor.field("odometer_ticks_per_m", self.odometer_ticks_per_m, "ticks of an odometer on a metre",
+                  config::greater_than(0.0));
+    visitor.field("command_ticks_per_mps", self.command_ticks_per_mps, "units of a speed command for 1 m/s",
+                  config::greater_than(0.0));
+  }
+};
+
+/// The motor base: docs/robots.md says how to fill it in.
+struct BaseConfig {
+  std::string protocol = "agilex_v2";
+  std::string port = "can0";
+  BaseGeometry geometry = {};
+  WifibotUnits wifibot = {};
+
+  template <class Self, class Visitor>
+  static void describe(Self& self, Visitor& visitor) {
+    visitor.field("protocol", self.protocol, "what the base speaks", config::one_of({"agilex_v2", "wifibot"}));
+    visitor.field("port", self.port,
+                  "agilex_v2: can0, socket:PATH, candump:FILE or bus; wifibot: serial:DEVICE, tcp:HOST[:PORT] or "
+                  "udp:HOST[:PORT]",
+                  config::required_text());
+    BaseGeometry::describe(self.geometry, visitor);
+    visitor.group("wifibot", self.wifibot, "units of a Wifibot board");
+  }
+};
 
 struct RobotConfig {
   std::string name = "robot";
   std::filesystem::path rig;
   double semi_axis_long_m = 0.55;
   double semi_axis_short_m = 0.25;
-  double max_speed_mps = 0.5;
-  double max_turn_rate_radps = 1.0;
-  double max_acceleration_mps2 = 0.5;
+  MotionLimits limits = {};
+  BaseConfig base = {};
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visitor) {
@@ -28,9 +76,8 @@ struct RobotConfig {
                   config::greater_than(0.0));
     visitor.field("semi_axis_short_m", self.semi_axis_short_m, "footprint ellipse, across it",
                   config::greater_than(0.0));
-    visitor.field("max_speed_mps", self.max_speed_mps, "speed limit", config::greater_than(0.0));
-    visitor.field("max_turn_rate_radps", self.max_turn_rate_radps, "turn rate limit", config::greater_than(0.0));
-    visitor.field("max_acceleration_mps2", self.max_acceleration_mps2, "acceleration limit", config::greater_than(0.0));
+    MotionLimits::describe(self.limits, visitor);
+    visitor.group("base", self.base, "the motor base");
   }
 };
 

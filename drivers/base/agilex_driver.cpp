@@ -2,105 +2,91 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "drivers/base/agilex_driver.h"
 
-#include <cmath>
-
-#include "common/error.h"
-
 namespace arpent::base {
 namespace {
 
 constexpr double kMetresPerCount = 1e-3;
 /// What the fastest of these chassis can do; limits of the mission are the gate's.
 constexpr double kChassisMaxMps = 3.0;
-constexpr Duration kSilence{500000};
-
-const char* describe(OdometerFault fault) {
-  switch (fault) {
-    case OdometerFault::kReset:
-      return "was set to zero";
-    case OdometerFault::kJump:
-      return "jumped";
-    case OdometerFault::kStuck:
-      return "does not move although it is told to";
-    case OdometerFault::kReversed:
-      return "moves against its command";
-    case OdometerFault::kNone:
-      break;
-  }
-  return "";
-}
 
 }  // namespace
 
-AgilexDriver::AgilexDriver(const AgilexParams& params, can::CanPort& port)
-    : params_(params),
-      port_(port),
-      gate_(params.gate),
-      left_(kMetresPerCount, kChassisMaxMps),
-      right_(kMetresPerCount, kChassisMaxMps) {
-  if (!(params.track_m > 0)) throw InputError("base: track_m must be > 0");
-}
+AgilexDriver::AgilexDriver(const DriverParams& params, can::CanPort& port)
+    : BaseDriver(params, kMetresPerCount, kChassisMaxMps), port_(port) {}
 
 std::vector<std::string> AgilexDriver::step(Time now) {
-  std::vector<std::string> faults;
+  Faults faults;
   while (const auto received = port_.receive()) {
     const auto report = agilex::decode(received->frame);
-    if (!report) {
+    if (report) {
+      std::visit([&](const auto& r) { take(r, received->stamp, faults); }, *report);
+    } else if (agilex::is_report(received->frame)) {
       ++status_.bad_frames;
-      continue;
     }
-    std::visit([&](const auto& r) { take(r, now, faults); }, *report);
   }
-  const bool heard = ever_heard_ && now - heard_at_ <= kSilence;
-  if (status_.heard && !heard) faults.emplace_back("the chassis is silent");
-  status_.heard = heard;
-  commanded_ = gate_.output(now);
+  watch_port(faults);
+  judge_silence(now, faults);
+  status_.commanded = gate_.output(now);
   // In standby the chassis ignores motion: ask for control whenever it is armed and nobody else has it.
-  if (gate_.state() == GateState::kArmed && mode_ == agilex::Mode::kStandby) {
+  if (gate_.state() == GateState::kArmed && last_ && last_->mode == agilex::Mode::kStandby) {
     send(agilex::encode_mode(agilex::Mode::kCan));
   }
-  send(agilex::encode_motion(commanded_));
+  send(agilex::encode_motion(status_.commanded));
+  port_.flush();
   return faults;
 }
 
-void AgilexDriver::take(const agilex::SystemState& state, Time now, std::vector<std::string>& faults) {
-  heard_at_ = now;
-  ever_heard_ = true;
-  mode_ = state.mode;
-  status_.battery_v = state.battery_v;
-  const bool remote = state.mode == agilex::Mode::kRemote;
-  if (remote && !status_.remote_control) faults.emplace_back("the remote control has the base");
-  status_.remote_control = remote;
-  const bool stopped = state.vehicle == agilex::VehicleState::kEmergencyStop;
-  if (stopped && !status_.emergency_stop) faults.emplace_back("the emergency button of the chassis is pressed");
-  // The button stops the stack too: what is released at the chassis is still latched here.
-  if (stopped) gate_.stop();
-  status_.emergency_stop = stopped;
+void AgilexDriver::stop(Time /*now*/) {
+  gate_.stop();
+  status_.commanded = {};
+  send(agilex::encode_motion({}));
+  port_.flush();
 }
 
-void AgilexDriver::take(const agilex::MotionState& state, Time /*now*/, std::vector<std::string>& /*faults*/) {
+void AgilexDriver::watch_port(Faults& faults) {
+  const can::PortState state = port_.state();
+  if (state != port_state_) faults.push_back(std::string("the CAN port is ") + can::describe(state));
+  if (state != port_state_ && state > can::PortState::kPassive) gate_.stop();
+  port_state_ = state;
+  const std::int64_t restarts = port_.counters().restarts;
+  if (restarts != restarts_) {
+    faults.emplace_back("the CAN port was restarted");
+    gate_.stop();
+  }
+  restarts_ = restarts;
+}
+
+void AgilexDriver::take(const agilex::SystemState& state, Time stamp, Faults& faults) {
+  // A count that stands still comes from something that repeats itself, not from a chassis that is alive.
+  if (!last_ || last_->count != state.count) take_sign_of_life(stamp);
+  status_.battery_v = state.battery_v;
+  const bool stopped = state.vehicle == agilex::VehicleState::kEmergencyStop;
+  const bool remote = state.mode == agilex::Mode::kRemote;
+  const auto tell = [&](bool is, bool was, const char* what) {
+    if (is && !was) faults.emplace_back(what);
+  };
+  tell(remote, status_.remote_control, "the remote control has the base");
+  tell(stopped, status_.emergency_button, "the emergency button of the chassis is pressed");
+  tell(state.undervoltage_fault, last_ && last_->undervoltage_fault, "the battery is empty: the chassis stands");
+  tell(state.vehicle == agilex::VehicleState::kException, last_ && last_->vehicle == agilex::VehicleState::kException,
+       "the chassis reports an exception");
+  // The button stops the stack too: what is released at the chassis is still latched here.
+  if (stopped) gate_.stop();
+  status_.remote_control = remote;
+  status_.emergency_button = stopped;
+  last_ = state;
+}
+
+void AgilexDriver::take(const agilex::MotionState& state, Time /*stamp*/, Faults& /*faults*/) {
   status_.twist = state.twist;
 }
 
-void AgilexDriver::take(const agilex::Odometry& odometry, Time now, std::vector<std::string>& faults) {
-  const double turning = 0.5 * params_.track_m * commanded_.turn_rate_radps;
-  const OdometerFault left = left_.update(odometry.left_mm, commanded_.speed_mps - turning, now);
-  const OdometerFault right = right_.update(odometry.right_mm, commanded_.speed_mps + turning, now);
-  const auto tell = [&](const char* side, OdometerFault fault, OdometerFault& known) {
-    if (fault != known && fault != OdometerFault::kNone) {
-      faults.push_back(std::string("the ") + side + " odometer " + describe(fault));
-    }
-    known = fault;
-  };
-  tell("left", left, left_fault_);
-  tell("right", right, right_fault_);
-  status_.stamp = now;
-  status_.left_m = left_.way_m();
-  status_.right_m = right_.way_m();
+void AgilexDriver::take(const agilex::Odometry& odometry, Time stamp, Faults& faults) {
+  take_odometers(odometry.left_mm, odometry.right_mm, stamp, faults);
 }
 
 void AgilexDriver::send(const can::CanFrame& frame) {
-  if (!port_.send(frame)) ++status_.refused_sends;
+  if (!dry_run_ && !port_.send(frame)) ++status_.refused_sends;
 }
 
 }  // namespace arpent::base

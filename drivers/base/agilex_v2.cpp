@@ -99,6 +99,10 @@ std::optional<Report> decode(const can::CanFrame& frame) {
   }
 }
 
+bool is_report(const can::CanFrame& frame) {
+  return !frame.extended && (frame.id == kSystemStateId || frame.id == kMotionStateId || frame.id == kOdometryId);
+}
+
 can::CanFrame encode(const Report& report) {
   if (const auto* state = std::get_if<SystemState>(&report)) return encode_system(*state);
   if (const auto* motion = std::get_if<MotionState>(&report)) return motion_frame(kMotionStateId, motion->twist);

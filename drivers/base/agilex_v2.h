@@ -59,6 +59,9 @@ using Report = std::variant<SystemState, MotionState, Odometry>;
 /// nullopt for frames that are none of these, of the wrong size, or with values that cannot be.
 [[nodiscard]] std::optional<Report> decode(const can::CanFrame& frame);
 
+/// Whether it should have been one of these.
+[[nodiscard]] bool is_report(const can::CanFrame& frame);
+
 /// The chassis' own side, for stand-ins.
 [[nodiscard]] can::CanFrame encode(const Report& report);
 [[nodiscard]] std::optional<Twist2> decode_motion(const can::CanFrame& frame);

@@ -21,8 +21,8 @@ std::optional<std::string> CommandGate::offer(const Twist2& command, Time receiv
   heard_at_ = received;
   if (state_ == GateState::kStopped) return "the emergency stop is latched";
   if (state_ == GateState::kDisarmed) return "the base is not armed";
-  if (std::abs(command.speed_mps) > params_.max_speed_mps + kRounding ||
-      std::abs(command.turn_rate_radps) > params_.max_turn_rate_radps + kRounding) {
+  if (std::abs(command.speed_mps) > params_.limits.max_speed_mps + kRounding ||
+      std::abs(command.turn_rate_radps) > params_.limits.max_turn_rate_radps + kRounding) {
     return "the command is beyond the limits";
   }
   seen_zero_ = seen_zero_ || is_zero(command);

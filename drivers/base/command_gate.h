@@ -10,14 +10,14 @@
 #include <optional>
 #include <string>
 
+#include "common/config/limits.h"
 #include "common/time.h"
 #include "common/twist2.h"
 
 namespace arpent::base {
 
 struct GateParams {
-  double max_speed_mps = 0.5;
-  double max_turn_rate_radps = 1.0;
+  MotionLimits limits = {};
   /// A command counts for this long after it was received, by the local monotonic clock.
   Duration command_lifetime{200000};
 };

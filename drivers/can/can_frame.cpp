@@ -14,8 +14,6 @@ namespace {
 
 constexpr std::size_t kStandardDigits = 3;
 constexpr std::size_t kExtendedDigits = 8;
-constexpr std::uint32_t kLargestStandard = 0x7FF;
-constexpr std::uint32_t kLargestExtended = 0x1FFFFFFF;
 
 template <class T>
 std::optional<T> parse(std::string_view text, int base) {
@@ -28,7 +26,7 @@ std::optional<T> parse(std::string_view text, int base) {
 }  // namespace
 
 CanFrame make_frame(std::uint32_t id, std::span<const std::uint8_t> bytes) {
-  ARPENT_ASSERT(bytes.size() <= kMaxBytes && id <= kLargestStandard);
+  ARPENT_ASSERT(bytes.size() <= kMaxBytes && id <= kLargestStandardId);
   CanFrame frame;
   frame.id = id;
   frame.size = static_cast<std::uint8_t>(bytes.size());
@@ -49,7 +47,7 @@ std::optional<CanFrame> from_text(std::string_view text) {
   const std::string_view bytes = text.substr(mark + 1);
   CanFrame frame;
   frame.extended = mark == kExtendedDigits;
-  if (!id || *id > (frame.extended ? kLargestExtended : kLargestStandard)) return std::nullopt;
+  if (!id || *id > (frame.extended ? kLargestExtendedId : kLargestStandardId)) return std::nullopt;
   if (bytes.size() % 2 != 0 || bytes.size() > 2 * kMaxBytes) return std::nullopt;
   frame.id = *id;
   frame.size = static_cast<std::uint8_t>(bytes.size() / 2);

@@ -16,6 +16,8 @@
 namespace arpent::can {
 
 inline constexpr std::size_t kMaxBytes = 8;
+inline constexpr std::uint32_t kLargestStandardId = 0x7FF;
+inline constexpr std::uint32_t kLargestExtendedId = 0x1FFFFFFF;
 
 struct CanFrame {
   std::uint32_t id = 0;  ///< 11 bits, or 29 if `extended`

@@ -21,6 +21,16 @@ enum class PortState : std::int8_t {
   kGone = 3,     ///< the interface is not there (unplugged)
 };
 
+[[nodiscard]] const char* describe(PortState state);
+
+/// Since the port was opened.
+struct PortCounters {
+  std::int64_t refused = 0;       ///< frames that were not taken
+  std::int64_t error_frames = 0;  ///< what the controller says of errors on the bus
+  std::int64_t overflows = 0;     ///< frames that came and found no room
+  std::int64_t restarts = 0;      ///< the bus was lost and is there again
+};
+
 class CanPort {
  public:
   virtual ~CanPort() = default;
@@ -28,7 +38,10 @@ class CanPort {
   [[nodiscard]] virtual bool send(const CanFrame& frame) = 0;
   /// The next frame that has arrived by now, with its time of arrival; nullopt if there is none. Own frames never.
   [[nodiscard]] virtual std::optional<LoggedFrame> receive() = 0;
+  /// Ends a batch of sent frames: ports that pack frames into messages send them now, others have sent already.
+  virtual void flush() {}
   [[nodiscard]] virtual PortState state() const = 0;
+  [[nodiscard]] virtual PortCounters counters() const = 0;
 };
 
 }  // namespace arpent::can

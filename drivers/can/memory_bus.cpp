@@ -15,6 +15,7 @@ constexpr std::size_t kReceiveQueue = 256;
 struct Place {
   std::string name;
   PortState state = PortState::kActive;
+  PortCounters counters;
   std::deque<LoggedFrame> arrived;
 };
 
@@ -41,7 +42,10 @@ class MemoryPort : public CanPort {
       : bus_(std::move(bus)), place_(std::move(place)) {}
 
   bool send(const CanFrame& frame) override {
-    if (place_->state > PortState::kPassive || frame.size > kMaxBytes) return false;
+    if (place_->state > PortState::kPassive || frame.size > kMaxBytes) {
+      ++place_->counters.refused;
+      return false;
+    }
     const bool lost = std::uniform_real_distribution<double>()(bus_->random) < bus_->faults.loss;
     if (!lost) bus_->in_flight.push_back({bus_->now + bus_->faults.delay, place_.get(), frame});
     return true;
@@ -53,6 +57,7 @@ class MemoryPort : public CanPort {
     return frame;
   }
   PortState state() const override { return place_->state; }
+  PortCounters counters() const override { return place_->counters; }
 
  private:
   std::shared_ptr<MemoryBus::State> bus_;
@@ -72,7 +77,7 @@ void MemoryBus::set_faults(const BusFaults& faults) {
 }
 
 std::unique_ptr<CanPort> MemoryBus::open(const std::string& name) {
-  state_->places.push_back(std::make_shared<Place>(Place{name, PortState::kActive, {}}));
+  state_->places.push_back(std::make_shared<Place>(Place{name, PortState::kActive, {}, {}}));
   return std::make_unique<MemoryPort>(state_, state_->places.back());
 }
 
@@ -82,7 +87,11 @@ void MemoryBus::advance(Time now) {
     const State::InFlight& f = state_->in_flight.front();
     for (const auto& place : state_->places) {
       if (place.get() == f.sender || place->state > PortState::kPassive) continue;
-      if (place->arrived.size() < kReceiveQueue) place->arrived.push_back({f.arrives, "mem", f.frame});
+      if (place->arrived.size() < kReceiveQueue) {
+        place->arrived.push_back({f.arrives, "mem", f.frame});
+      } else {
+        ++place->counters.overflows;
+      }
     }
     state_->in_flight.pop_front();
   }
@@ -91,6 +100,7 @@ void MemoryBus::advance(Time now) {
 void MemoryBus::set_state(const std::string& name, PortState state) {
   for (const auto& place : state_->places) {
     if (place->name != name) continue;
+    if (place->state > PortState::kPassive && state <= PortState::kPassive) ++place->counters.restarts;
     place->state = state;
     if (state > PortState::kPassive) place->arrived.clear();
   }

@@ -22,7 +22,7 @@ class AgilexDriverTest : public testing::Test {
   can::MemoryBus bus_;
   std::unique_ptr<can::CanPort> driver_port_ = bus_.open("driver"), chassis_port_ = bus_.open("chassis");
   AgilexDriver driver_{{}, *driver_port_};
-  AgilexChassis chassis_{{}, *chassis_port_};
+  AgilexChassis chassis_{{.motors = {.max_acceleration_mps2 = 100}}, *chassis_port_};
   Time now_ = from_utime(1000000);
   std::vector<std::string> faults_;
 
@@ -115,7 +115,7 @@ TEST_F(AgilexDriverTest, GarbledFramesAreCountedAndMoveNothing) {
   run(3);
   EXPECT_EQ(driver_.status().bad_frames, 3);
   EXPECT_EQ(chassis_.twist(), Twist2{});
-  EXPECT_THROW(AgilexDriver({.gate = {}, .track_m = -1}, *driver_port_), InputError);
+  EXPECT_THROW(AgilexDriver({.gate = {}, .geometry = {.track_m = -1}}, *driver_port_), InputError);
 }
 
 }  // namespace

@@ -1,0 +1,16 @@
+// SPDX-FileCopyrightText: The arpent authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "drivers/base/process/open_base.h"
+
+#include "drivers/base/agilex_driver.h"
+#include "drivers/can/process/open_can_port.h"
+
+namespace arpent::base {
+
+OpenBase::OpenBase(const RobotConfig& robot, bool dry_run, Bus& bus, Clock& clock) {
+  const DriverParams params{{.limits = robot.limits}, robot.base.geometry, dry_run};
+  can_port_ = can::open_can_port(robot.base.port, "driver", bus, clock);
+  driver_ = std::make_unique<AgilexDriver>(params, *can_port_);
+}
+
+}  // namespace arpent::base

@@ -181,7 +181,8 @@ struct PathTracker::State {
   }
 
   TrackerOutput give(Time now, TrackerOutput output, const Twist2& wanted) {
-    last = hold_to_limits(wanted, last, params.limits, params.period_s);
+    const double since_last_s = sent.empty() ? params.period_s : to_seconds(now - sent.back().first);
+    last = hold_to_limits(wanted, last, params.limits, std::clamp(since_last_s, 0.0, params.period_s));
     sent.emplace_back(now, last);
     while (sent.size() > 2 && sent[1].first + from_seconds(params.delay_s + params.max_pose_age_s) < now) {
       sent.pop_front();
@@ -250,6 +251,16 @@ void PathTracker::stop() {
   state_->mode = TrackerMode::kIdle;
 }
 
+void PathTracker::halt() {
+  state_->last = {};
+  state_->sent.clear();
+  state_->plan.setZero();
+}
+
+TrackerOutput PathTracker::brake(Time now, const std::string& reason) {
+  return state_->brake(now, {}, reason);
+}
+
 TrackerOutput PathTracker::step(Time now, const BaseState& state) {
   State& s = *state_;
   TrackerOutput output;
@@ -268,8 +279,9 @@ TrackerOutput PathTracker::step(Time now, const BaseState& state) {
   if ((at.p_map_m - nearest.p_m).norm() > s.params.max_cross_track_m) {
     return s.brake(now, output, "too far from the path");
   }
+  // A base that drives goes on to the new path without stopping, also out of a bend.
   if (s.mode == TrackerMode::kTurnToPath && std::abs(heading_error) < kTurnFirstRad &&
-      std::abs(s.last.turn_rate_radps) < kStandRadps) {
+      (std::abs(s.last.turn_rate_radps) < kStandRadps || s.last.speed_mps > kStandMps)) {
     s.mode = TrackerMode::kTrack;
   }
   if (s.mode == TrackerMode::kTrack && output.remaining_m < kArrivedM) {

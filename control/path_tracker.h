@@ -27,6 +27,11 @@ struct TrackerParams {
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visitor) {
     visitor.group("limits", self.limits, "what the base may do");
+    describe_tracking(self, visitor);
+  }
+  /// All but the limits, for processes that have them from the robot file.
+  template <class Self, class Visitor>
+  static void describe_tracking(Self& self, Visitor& visitor) {
     visitor.field("period_s", self.period_s, "time between two steps", config::between(0.005, 0.5));
     visitor.field("lag_s", self.lag_s, "time constant with which the base follows a command",
                   config::between(0.0, 2.0));
@@ -74,8 +79,12 @@ class PathTracker {
   void follow(Path path, std::optional<double> goal_heading_rad);
   /// Brakes to a stand and forgets the path.
   void stop();
+  /// The base has been stopped by other means: what was commanded before is void.
+  void halt();
+  /// One cycle of braking at the limit, for a reason that the caller knows; the path is kept.
+  [[nodiscard]] TrackerOutput brake(Time now, const std::string& reason);
   /// One cycle. Never throws; a state that is not finite or stale makes it brake. Commands stay within the limits from
-  /// one call to the next.
+  /// one call to the next, even if it comes early.
   [[nodiscard]] TrackerOutput step(Time now, const BaseState& state);
 
  private:

@@ -35,6 +35,7 @@ struct Flags {
   std::string lcm_url = kDefaultLcmUrl;
   double run_for_s = 0;
   bool print_config = false;
+  bool dry_run = false;
   std::vector<std::string> settings;
 };
 
@@ -111,6 +112,7 @@ int run_process(const ProcessType& type, int argc, char** argv) {
   app.add_option("--lcm-url", flags.lcm_url, "the robot's bus")->capture_default_str();
   app.add_option("--run-for-s", flags.run_for_s, "end by itself after so many seconds [s]")->check(CLI::PositiveNumber);
   app.add_flag("--print-config", flags.print_config, "print every effective value with its origin, and end");
+  if (type.can_dry_run) app.add_flag("--dry-run", flags.dry_run, "move nothing: publish status only");
   app.set_version_flag("--version", ARPENT_VERSION);
   try {
     app.parse(argc, argv);
@@ -126,6 +128,7 @@ int run_process(const ProcessType& type, int argc, char** argv) {
     sources.file = flags.config_file;
     sources.text_name = type.name;
     sources.settings = flags.settings;
+    if (flags.dry_run) sources.settings.emplace_back("dry_run=true");
     const config::Origins origins = type.load(sources);
     if (flags.print_config) {
       std::fputs(type.print(origins).c_str(), stdout);

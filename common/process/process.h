@@ -23,6 +23,7 @@ namespace detail {
 struct ProcessType {
   std::string name;
   std::string help;
+  bool can_dry_run = false;  ///< its config has `dry_run`
   std::function<config::Origins(const config::Sources&)> load;
   std::function<std::string(const config::Origins&)> print;
   /// Constructs the process on the bus; the returned function is its finish().
@@ -42,6 +43,9 @@ int run_process(int argc, char** argv) {
   detail::ProcessType type;
   type.name = Process::kName;
   type.help = Process::kHelp;
+  type.can_dry_run = requires {
+    config.dry_run;
+  };
   type.load = [&config](const config::Sources& sources) { return config::read(config, sources); };
   type.print = [&config](const config::Origins& origins) { return config::to_yaml(config, origins); };
   type.start = [&](Bus& bus, Clock& clock) {

@@ -168,6 +168,52 @@ TEST(PathTracker, StopEndsTheMotionSmoothly) {
   EXPECT_LT(std::abs(plant.state().twist.speed_mps), 1e-3);
 }
 
+TEST(PathTracker, ANewPathInABendIsTakenWithoutStopping) {
+  const TrackerParams params;
+  PathTracker tracker(params);
+  tracker.follow(Path(bend(), params.limits), std::nullopt);
+  Plant plant({}, {});
+  while (plant.state().yaw_rad < 0.5) plant.move(tracker.step(plant.state().stamp, plant.state()).command, kPeriodS);
+  ASSERT_GT(plant.state().twist.turn_rate_radps, 0.3);
+  const double before = plant.state().twist.speed_mps;
+  for (int i = 0; i < 10; ++i) {
+    const BaseState& at = plant.state();
+    const Eigen::Vector2d ahead(std::cos(at.yaw_rad), std::sin(at.yaw_rad));
+    tracker.follow(Path({at.p_map_m, at.p_map_m + 2 * ahead}, params.limits), std::nullopt);
+    const TrackerOutput output = tracker.step(at.stamp, at);
+    EXPECT_EQ(output.mode, TrackerMode::kTrack);
+    EXPECT_GT(output.command.speed_mps, 0.8 * before);
+    plant.move(output.command, kPeriodS);
+  }
+}
+
+TEST(PathTracker, AStepThatComesEarlyChangesLess) {
+  const TrackerParams params;
+  PathTracker tracker(params);
+  tracker.follow(Path(bend(), params.limits), std::nullopt);
+  BaseState state;
+  const double first = tracker.step(state.stamp, state).command.speed_mps;
+  state.stamp += from_seconds(0.01);
+  const double second = tracker.step(state.stamp, state).command.speed_mps;
+  EXPECT_LE(second - first, 0.01 * params.limits.max_acceleration_mps2 + 1e-12);
+}
+
+TEST(PathTracker, AfterAHaltItStartsFromZeroAndABrakeKeepsThePath) {
+  const TrackerParams params;
+  PathTracker tracker(params);
+  tracker.follow(Path(bend(), params.limits), std::nullopt);
+  Plant plant({}, {});
+  for (int i = 0; i < 30; ++i) plant.move(tracker.step(plant.state().stamp, plant.state()).command, kPeriodS);
+  const TrackerOutput braking = tracker.brake(plant.state().stamp, "told to");
+  EXPECT_EQ(braking.mode, TrackerMode::kBrake);
+  EXPECT_EQ(braking.reason, "told to");
+  EXPECT_LT(braking.command.speed_mps, plant.state().twist.speed_mps);
+  tracker.halt();
+  const TrackerOutput output = tracker.step(plant.state().stamp, plant.state());
+  EXPECT_EQ(output.mode, TrackerMode::kTrack);
+  EXPECT_LE(output.command.speed_mps, params.limits.max_acceleration_mps2 * params.period_s + 1e-12);
+}
+
 TEST(PathTracker, ImpossibleParametersAreOneClearError) {
   TrackerParams params;
   params.period_s = -1;

@@ -8,6 +8,7 @@
 #include <atomic>
 #include <cmath>
 #include <deque>
+#include <thread>
 
 #include "common/error.h"
 #include "drivers/camera/gobject.h"
@@ -101,11 +102,17 @@ class AravisSource : public FrameSource {
   ~AravisSource() override {
     if (camera_ == nullptr) return;
     g_signal_handlers_disconnect_by_data(arv_camera_get_device(camera()), this);
-    GFault fault;
-    // A dead device would keep us waiting for acknowledgements.
     if (!lost_ && (address_.empty() || gige_camera_answers(address_, kProbePatience))) {
+      GFault fault;
       arv_camera_stop_acquisition(camera(), fault);
+      return;
     }
+    // Aravis says goodbye to a dead camera for seven seconds (retries of the heartbeat and of the last register write):
+    // meanwhile we want to look for its return, so that is left to a thread of its own.
+    std::thread([camera = std::move(camera_), stream = std::move(stream_)]() mutable {
+      stream.reset();
+      camera.reset();
+    }).detach();
   }
 
   std::optional<Frame> next(Duration wait) override {

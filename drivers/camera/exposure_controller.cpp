@@ -31,7 +31,7 @@ ExposureController::ExposureController(const ExposureParams& params)
 }
 
 std::optional<ExposureSetting> ExposureController::update(const ExposureSetting& taken_with, double mean_level) {
-  if (params_.mode == "fixed" || !same(taken_with, setting_)) return std::nullopt;
+  if (params_.mode != "auto" || !same(taken_with, setting_)) return std::nullopt;
   if (std::abs(mean_level - params_.target_level) <= params_.dead_band * params_.target_level) return std::nullopt;
   const double step = std::clamp(params_.target_level / std::max(mean_level, 1.0), 1 / kLargestStep, kLargestStep);
   const double light_us = step * setting_.exposure_us * std::pow(10.0, setting_.gain_db / 20);

@@ -26,8 +26,11 @@ struct ExposureParams {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visitor) {
-    visitor.field("mode", self.mode, "auto: follows the light; fixed: exposure_us and gain_db for ever",
-                  config::one_of({"auto", "fixed"}));
+    visitor.field(
+        "mode", self.mode,
+        "auto: follows the light; fixed: exposure_us and gain_db for ever; device: the camera exposes by itself "
+        "(v4l2)",
+        config::one_of({"auto", "fixed", "device"}));
     visitor.field("exposure_us", self.exposure_us, "exposure time at the start", config::between(1, 1000000));
     visitor.field("gain_db", self.gain_db, "analogue gain at the start", config::between(0.0, 48.0));
     visitor.field("target_level", self.target_level, "mean grey of both images that is wanted, of 255",

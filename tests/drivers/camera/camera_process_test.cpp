@@ -9,6 +9,7 @@
 #include <arpent/stereo_images_t.hpp>
 #include <atomic>
 #include <chrono>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <opencv2/imgcodecs.hpp>
@@ -171,9 +172,11 @@ camera::GvServer::Render scene(int side, const std::atomic<double>& per_ms, std:
   return [side, &per_ms, period_us](const camera::GvServer::Request& r) {
     const double level = std::min(255.0, per_ms * r.exposure_us * 1e-3);
     cv::Mat1b image(r.size_px, static_cast<std::uint8_t>(level));
-    const std::int64_t moment = (to_utime(r.device_time) + period_us / 2) / period_us;
+    const std::int64_t moment = to_utime(r.device_time) / period_us;  // frames come at or after its multiples
     image(0, 0) = static_cast<std::uint8_t>(moment & 0xFF);
     image(0, 1) = static_cast<std::uint8_t>(side);
+    const std::int64_t device_us = to_utime(r.device_time);
+    std::memcpy(image.ptr(1), &device_us, sizeof device_us);
     return image;
   };
 }
@@ -230,7 +233,11 @@ class CameraProcessLive : public testing::Test {
       ASSERT_EQ(right(0, 1), 1);
     }
   }
-  static std::uint8_t moment(const stereo_images_t& pair) { return image_of(pair.left)(0, 0); }
+  static std::int64_t device_us(const stereo_images_t& pair) {
+    std::int64_t us = 0;
+    std::memcpy(&us, image_of(pair.left).ptr(1), sizeof us);
+    return us;
+  }
   void end() {
     const auto begin = Steady::now();
     process_->finish();
@@ -253,17 +260,18 @@ class CameraProcessLive : public testing::Test {
   std::vector<stereo_images_t> pairs_;
 };
 
-TEST_F(CameraProcessLive, TwoCamerasGivePairsOfOneMomentEvenlyInTime) {
+TEST_F(CameraProcessLive, TwoCamerasGivePairsOfOneMomentStampedAsTheyWereTaken) {
   plug(0), plug(1);
   start();
   ASSERT_TRUE(run_pairs(25));
   expect_true_pairs();
   for (std::size_t i = 1; i < pairs_.size(); ++i) {
     EXPECT_GE(pairs_[i].sequence, pairs_[i - 1].sequence + 1);
-    // A served camera on a busy machine leaves moments out, uncounted as a real one does with triggers that come too
-    // fast.
-    const auto moments = static_cast<std::uint8_t>(moment(pairs_[i]) - moment(pairs_[i - 1]));
-    EXPECT_NEAR(double(pairs_[i].utime - pairs_[i - 1].utime), double(moments * kPeriodUs), 0.4 * kPeriodUs);
+  }
+  for (const stereo_images_t& pair : pairs_) {
+    // The served cameras' clock is this machine's, like the bus': so the stamp's own error shows. (They do not wait for
+    // the exposure to pass, as the driver must believe.)
+    EXPECT_NEAR(double(pair.utime - 1500 - device_us(pair)), 0, 15'000);
   }
   EXPECT_EQ(pairs_.back().exposure_us, 3000);
   // Stamps lie a little in the past: the middle of an exposure that is over.

@@ -45,7 +45,25 @@ bool route_multicast_over_loopback(int socket_fd) {
   return ioctl(socket_fd, SIOCADDRT, &route) == 0;
 }
 
+bool add_alias(int socket_fd, const std::string& name, const char* ipv4) {
+  ifreq request{};
+  name.copy(request.ifr_name, IFNAMSIZ - 1);
+  set_address(request.ifr_addr, ipv4);
+  if (ioctl(socket_fd, SIOCSIFADDR, &request) != 0) return false;
+  set_address(request.ifr_netmask, "255.255.255.255");
+  return ioctl(socket_fd, SIOCSIFNETMASK, &request) == 0;
+}
+
 }  // namespace
+
+std::string add_loopback_address(int number, const std::string& ipv4) {
+  const int socket_fd = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  if (socket_fd < 0) return fault("socket");
+  const bool added = add_alias(socket_fd, "lo:" + std::to_string(number), ipv4.c_str());
+  const std::string reason = added ? "" : fault("address on loopback");
+  close(socket_fd);
+  return reason;
+}
 
 std::string enter_private_network() {
   if (unshare(CLONE_NEWNET) != 0 && unshare(CLONE_NEWUSER | CLONE_NEWNET) != 0) return fault("unshare");

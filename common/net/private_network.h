@@ -14,6 +14,10 @@ namespace arpent {
 /// string, or why it is not permitted here; then nothing has changed.
 [[nodiscard]] std::string enter_private_network();
 
+/// Gives loopback one more address (/32), for servers that need one each; `number` > 0 tells several apart. Meant for a
+/// private network: it needs the right to configure this one. Empty, or why not.
+[[nodiscard]] std::string add_loopback_address(int number, const std::string& ipv4);
+
 /// A UDP port for a bus of our own outside a namespace, derived from the process id: robots and tests on one machine
 /// need different ports, because groups on one port hear each other.
 [[nodiscard]] int private_port();

@@ -49,7 +49,8 @@ void body(bench::Report& report) {
   std::vector<Body> team;
   for (int i = 0; i < 7; ++i) team.push_back({Pose2{2.0 + 2.5 * i, 5.0 + 0.6 * i, 0.9 * i}.to_pose()});
   add_pair(report, "sim.render_pair_lot_team_ms", Renderer(lot), rig, {4.0, 5.8}, team, "seven teammates");
-  report.add_time("sim.build_world_ms", [&] { (void)Renderer(lot); }, 5, "parking lot: textures, light");
+  report.add_time(
+      "sim.build_world_ms", [&] { (void)Renderer(lot); }, 5, "parking lot: textures, light");
 }
 
 }  // namespace

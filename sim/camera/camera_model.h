@@ -64,7 +64,8 @@ class PixelMotion {
         scale_u_(static_cast<float>(camera.fx_px * shot.exposure_s)),
         scale_v_(static_cast<float>(camera.fy_px * shot.exposure_s)) {}
 
-  /// (du, dv) of a point seen along (x, y, 1), at `depth_m` (0: far away). It moves against the camera: p' = -v - w x p.
+  /// (du, dv) of a point seen along (x, y, 1), at `depth_m` (0: far away). It moves against the camera: p' = -v - w x
+  /// p.
   [[nodiscard]] Eigen::Vector2f at(float x, float y, float depth_m) const {
     const float near = depth_m > 0 ? 1 / depth_m : 0;
     const auto& t = twist_;

@@ -55,9 +55,28 @@ class CameraModel {
   std::vector<float> vignette_;
 };
 
-/// How far each pixel moves during the exposure [px], from the image motion of a moving pinhole (Longuet-Higgins and
-/// Prazdny 1980). `motion` gets (du, dv).
-[[nodiscard]] Eigen::Vector2f pixel_motion_px(const PinholeCamera& camera, float x, float y, float depth_m,
-                                              const CameraShot& shot);
+/// How far pixels move during the exposure [px], from the image motion of a moving pinhole (Longuet-Higgins and Prazdny
+/// 1980).
+class PixelMotion {
+ public:
+  PixelMotion(const PinholeCamera& camera, const CameraShot& shot)
+      : twist_(shot.twist_cam.cast<float>()),
+        scale_u_(static_cast<float>(camera.fx_px * shot.exposure_s)),
+        scale_v_(static_cast<float>(camera.fy_px * shot.exposure_s)) {}
+
+  /// (du, dv) of a point seen along (x, y, 1), at `depth_m` (0: far away). It moves against the camera: p' = -v - w x
+  /// p.
+  [[nodiscard]] Eigen::Vector2f at(float x, float y, float depth_m) const {
+    const float near = depth_m > 0 ? 1 / depth_m : 0;
+    const auto& t = twist_;
+    return {scale_u_ * (near * (x * t[2] - t[0]) + x * y * t[3] - (1 + x * x) * t[4] + y * t[5]),
+            scale_v_ * (near * (y * t[2] - t[1]) + (1 + y * y) * t[3] - x * y * t[4] - x * t[5])};
+  }
+
+ private:
+  Eigen::Matrix<float, 6, 1> twist_;
+  float scale_u_;
+  float scale_v_;
+};
 
 }  // namespace arpent::sim

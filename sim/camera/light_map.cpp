@@ -15,13 +15,28 @@ using Eigen::Vector3f;
 
 constexpr int kGatherRays = 32;
 constexpr int kLampSamples = 8;
+constexpr float kAllBounces = 1.6F;     ///< of light, over the first: 1 / (1 - mean reflectance)
 constexpr float kOffsetM = 0.01F;       ///< of ray origins above their surface
 constexpr float kAmbientReachM = 1.5F;  ///< surfaces nearer than this shut ambient light out
+constexpr float kFarthestM = 40;        ///< from where light is thrown back
 constexpr double kFinestSpacingM = 0.2;
 constexpr double kMostNodes = 40000;
+constexpr float kAroundM = 3;  ///< facets farther from the region than this get a light of their corners only
 
 float area_of(const Facet& facet) {
   return facet.u_m.cross(facet.v_m).norm() * (facet.triangle ? 0.5F : 1.0F);
+}
+
+bool near_region(const Facet& facet, const Region& region) {
+  const Vector3f corners[] = {facet.origin_m, facet.origin_m + facet.u_m, facet.origin_m + facet.v_m,
+                              facet.origin_m + facet.u_m + facet.v_m};
+  Vector3f least = corners[0], most = corners[0];
+  for (const Vector3f& corner : corners) {
+    least = least.cwiseMin(corner);
+    most = most.cwiseMax(corner);
+  }
+  return (most.array() > region.min_m.cast<float>().array() - kAroundM).all() &&
+         (least.array() < region.max_m.cast<float>().array() + kAroundM).all();
 }
 
 /// i-th of `n` points spread evenly over the unit square (Hammersley).
@@ -121,9 +136,9 @@ float LightBaker::gather(const Vector3f& p, const Vector3f& n, const LightMap& l
     RayPacket packet;
     for (std::size_t k = 0; k < kLanes; ++k) {
       const Vector3f& d = directions[static_cast<std::size_t>(first) + k];
-      set_ray(packet, k, p, d.x() * x + d.y() * y + d.z() * n, 100.0F);
+      set_ray(packet, k, p, d.x() * x + d.y() * y + d.z() * n, kFarthestM);
     }
-    tracer_.intersect(packet);
+    tracer_.intersect_scattered(packet);
     for (std::size_t k = 0; k < kLanes; ++k) {
       const int facet = packet.facet[k];
       open += facet < 0 ? 1.0F : std::min(1.0F, packet.t[k] / kAmbientReachM);
@@ -139,17 +154,23 @@ float LightBaker::gather(const Vector3f& p, const Vector3f& n, const LightMap& l
       thrown_back += reflectance * light.at(index, seen.patch.at(hit));
     }
   }
-  return (thrown_back + open * static_cast<float>(world_.lighting.ambient)) / kGatherRays;
+  return (kAllBounces * thrown_back + open * static_cast<float>(world_.lighting.ambient)) / kGatherRays;
 }
 
-LightMap LightBaker::make_grids(double spacing_m) const {
+LightMap LightBaker::make_grids() const {
+  double area = 0;
+  for (const Facet& facet : mesh_.facets) {
+    if (near_region(facet, world_.region)) area += static_cast<double>(area_of(facet));
+  }
+  const double spacing_m = std::max(kFinestSpacingM, std::sqrt(area / kMostNodes));
   LightMap light;
   int offset = 0;
   for (const Facet& facet : mesh_.facets) {
     const auto nodes = [&](const Vector3f& edge) {
       return std::clamp(1 + static_cast<int>(std::ceil(static_cast<double>(edge.norm()) / spacing_m)), 2, 400);
     };
-    const LightMap::Grid grid{offset, nodes(facet.u_m), nodes(facet.v_m)};
+    const bool fine = near_region(facet, world_.region);
+    const LightMap::Grid grid{offset, fine ? nodes(facet.u_m) : 2, fine ? nodes(facet.v_m) : 2};
     light.grids_.push_back(grid);
     offset += grid.nu * grid.nv;
   }
@@ -180,51 +201,43 @@ void LightBaker::for_each_node(LightMap& light, Function function) const {
 }
 
 LightMap LightBaker::bake() {
-  double area = 0;
-  for (const Facet& facet : mesh_.facets) area += static_cast<double>(area_of(facet));
-  LightMap lamps = make_grids(std::max(kFinestSpacingM, std::sqrt(area / kMostNodes)));
+  LightMap lamps = make_grids();
   for_each_node(lamps, [&](const Facet& facet, const Vector3f& p, float& value) {
     value = direct(p, facet.normal, kLampSamples);
   });
   LightMap total = lamps;
-  for (int bounce = 0; bounce < 2; ++bounce) {
-    LightMap next = total;
-    std::size_t at = 0;
-    for_each_node(next, [&](const Facet& facet, const Vector3f& p, float& value) {
-      value = lamps.values_[at++] + gather(p, facet.normal, total);
-    });
-    total = std::move(next);
-  }
-  double light = 0, indirect = 0;
-  for (std::size_t f = 0; f < mesh_.facets.size(); ++f) {
-    const auto weight = static_cast<double>(area_of(mesh_.facets[f])) / area;
-    const Eigen::Vector2f middle =
-        mesh_.facets[f].triangle ? Eigen::Vector2f(0.33F, 0.33F) : Eigen::Vector2f(0.5F, 0.5F);
-    const LightMap::Grid& g = total.grids_[f];
-    if (mesh_.facets[f].triangle) {
-      light += weight * static_cast<double>(total.at(f, middle));
-      indirect += weight * static_cast<double>(total.at(f, middle) - lamps.at(f, middle));
-      continue;
-    }
-    double sum = 0, rest = 0;
-    for (int k = 0; k < g.nu * g.nv; ++k) {
-      const auto i = static_cast<std::size_t>(g.offset + k);
-      sum += static_cast<double>(total.values_[i]);
-      rest += static_cast<double>(total.values_[i] - lamps.values_[i]);
-    }
-    light += weight * sum / (g.nu * g.nv);
-    indirect += weight * rest / (g.nu * g.nv);
-  }
+  for_each_node(total,
+                [&](const Facet& facet, const Vector3f& p, float& value) { value += gather(p, facet.normal, lamps); });
+  const double light = mean_over_region(total);
   scale_ = light > 0 ? static_cast<float>(world_.lighting.mean / light) : 1.0F;
-  mean_indirect_ = static_cast<float>(indirect);
+  mean_indirect_ = static_cast<float>(light - mean_over_region(lamps));
   for_each_node(total, [&](const Facet& facet, const Vector3f& p, float& value) {
-    const float stains =
-        facet.texture < 0 ? 0.0F : static_cast<float>(world_.textures[static_cast<std::size_t>(facet.texture)].stains);
+    if (facet.texture < 0) {
+      value *= scale_;
+      return;
+    }
+    const auto stains = static_cast<float>(world_.textures[static_cast<std::size_t>(facet.texture)].stains);
     const auto seed = static_cast<std::uint32_t>(facet.surface);
-    value *=
-        scale_ * std::max(0.2F, 1 + stains * (1.8F * smooth_noise(0.8F * p, seed) + smooth_noise(2.1F * p, seed + 99)));
+    const float change = 1.8F * smooth_noise(0.8F * p, seed) + smooth_noise(2.1F * p, seed + 99);
+    value *= scale_ * std::max(0.2F, 1 + stains * change);
   });
   return total;
+}
+
+double LightBaker::mean_over_region(const LightMap& light) const {
+  double sum = 0, area = 0;
+  for (std::size_t f = 0; f < mesh_.facets.size(); ++f) {
+    const Facet& facet = mesh_.facets[f];
+    const Vector3f middle = facet.origin_m + (facet.triangle ? 0.33F : 0.5F) * (facet.u_m + facet.v_m);
+    if (!world_.region.contains((middle + kOffsetM * facet.normal).cast<double>())) continue;
+    const LightMap::Grid& g = light.grids_[f];
+    double values = 0;
+    for (int k = 0; k < g.nu * g.nv; ++k)
+      values += static_cast<double>(light.values_[static_cast<std::size_t>(g.offset + k)]);
+    sum += static_cast<double>(area_of(facet)) * values / (g.nu * g.nv);
+    area += static_cast<double>(area_of(facet));
+  }
+  return area > 0 ? sum / area : 0;
 }
 
 LightMap LightBaker::bake_body(const SurfaceMesh& body) const {

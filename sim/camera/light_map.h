@@ -33,7 +33,7 @@ class LightBaker {
   LightBaker(const World& world, const SurfaceMesh& mesh, const Tracer& tracer)
       : world_(world), mesh_(mesh), tracer_(tracer) {}
 
-  /// The whole world, two bounces, scaled to Lighting::mean; sets the scale that `bake_body` uses.
+  /// The whole world, scaled to Lighting::mean; sets the scale that `bake_body` uses.
   [[nodiscard]] LightMap bake();
 
   /// What a moving body in this world receives: lamps with shadows of the world, and the world's mean of the rest. One
@@ -44,7 +44,9 @@ class LightBaker {
   [[nodiscard]] float direct(const Eigen::Vector3f& p, const Eigen::Vector3f& n, int samples) const;
   /// Light from other surfaces, and ambient light as far as it is not shut out.
   [[nodiscard]] float gather(const Eigen::Vector3f& p, const Eigen::Vector3f& n, const LightMap& light) const;
-  [[nodiscard]] LightMap make_grids(double spacing_m) const;
+  [[nodiscard]] LightMap make_grids() const;
+  /// Mean irradiance on what is in the region.
+  [[nodiscard]] double mean_over_region(const LightMap& light) const;
   template <class Function>
   void for_each_node(LightMap& light, Function function) const;
 

@@ -61,7 +61,7 @@ Tracer::~Tracer() = default;
 Tracer::Tracer(Tracer&&) noexcept = default;
 Tracer& Tracer::operator=(Tracer&&) noexcept = default;
 
-void Tracer::intersect(RayPacket& packet) const {
+void Tracer::intersect(RayPacket& packet, bool coherent) const {
   RTCRayHit8 query;
   alignas(32) int valid[kLanes];
   std::memcpy(query.ray.org_x, packet.origin.data(), sizeof packet.origin);
@@ -79,7 +79,7 @@ void Tracer::intersect(RayPacket& packet) const {
   }
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
-  context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+  context.flags = coherent ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
   rtcIntersect8(valid, scene_->scene, &context, &query);
   for (std::size_t i = 0; i < kLanes; ++i) {
     if (valid[i] == 0 || query.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID) continue;

@@ -32,11 +32,15 @@ class Tracer {
 
   /// Updates the lanes in which this mesh is hit before `t`; others keep what they have. May be called by several
   /// threads.
-  void intersect(RayPacket& packet) const;
+  void intersect(RayPacket& packet) const { intersect(packet, true); }
+  /// The same for rays to all sides.
+  void intersect_scattered(RayPacket& packet) const { intersect(packet, false); }
   /// Sets `facet` to 0 where anything lies before `t`, else to -1.
   void find_occluded(RayPacket& packet) const;
 
  private:
+  void intersect(RayPacket& packet, bool coherent) const;
+
   struct Scene;
   std::unique_ptr<Scene> scene_;
 };

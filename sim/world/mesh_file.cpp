@@ -10,6 +10,7 @@
 #include <assimp/Importer.hpp>
 #include <cstdlib>
 #include <map>
+#include <numbers>
 #include <opencv2/imgcodecs.hpp>
 
 #include "common/error.h"
@@ -49,6 +50,10 @@ std::vector<Material> read_materials(const aiScene& scene, const fs::path& folde
   for (unsigned i = 0; i < scene.mNumMaterials; ++i) {
     aiColor3D colour(0.5F, 0.5F, 0.5F);
     scene.mMaterials[i]->Get(AI_MATKEY_COLOR_DIFFUSE, colour);
+    aiString own_name;
+    scene.mMaterials[i]->Get(AI_MATKEY_NAME, own_name);
+    // A file without materials: what the world's texture says.
+    if (std::string(own_name.C_Str()) == AI_DEFAULT_MATERIAL_NAME) colour = aiColor3D(1, 1, 1);
     materials[i].reflectance = 0.299F * colour.r + 0.587F * colour.g + 0.114F * colour.b;
     aiString name;
     if (scene.mMaterials[i]->GetTexture(aiTextureType_DIFFUSE, 0, &name) != aiReturn_SUCCESS) continue;

@@ -34,13 +34,13 @@ image_t quantise(const cv::Mat1f& values, double unit) {
 
 }  // namespace
 
-stereo_images_t to_wire(Time stamp, std::int64_t sequence, double exposure_s, double gain, const cv::Mat1b& left,
-                        const cv::Mat1b& right) {
+stereo_images_t to_wire(Time stamp, std::int64_t sequence, const camera::ExposureSetting& exposure,
+                        const cv::Mat1b& left, const cv::Mat1b& right) {
   stereo_images_t message{};
   message.utime = to_utime(stamp);
   message.sequence = sequence;
-  message.exposure_us = static_cast<std::int32_t>(std::lround(1e6 * exposure_s));
-  message.gain_db = static_cast<float>(20 * std::log10(gain));
+  message.exposure_us = exposure.exposure_us;
+  message.gain_db = static_cast<float>(exposure.gain_db);
   message.left = encode_image(left);
   message.right = encode_image(right);
   return message;

@@ -15,12 +15,13 @@
 #include "common/camera.h"
 #include "common/pose2.h"
 #include "common/time.h"
+#include "drivers/camera/frame_source.h"
 #include "sim/robot/sim_imu.h"
 #include "sim/robot/sim_odometry.h"
 
 namespace arpent::sim {
 
-[[nodiscard]] stereo_images_t to_wire(Time stamp, std::int64_t sequence, double exposure_s, double gain,
+[[nodiscard]] stereo_images_t to_wire(Time stamp, std::int64_t sequence, const camera::ExposureSetting& exposure,
                                       const cv::Mat1b& left, const cv::Mat1b& right);
 [[nodiscard]] imu_t to_wire(Time stamp, std::int64_t sequence, const ImuReading& reading);
 /// TRUTH_POSE: the body in world.

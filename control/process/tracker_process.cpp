@@ -24,11 +24,8 @@ constexpr Duration kMaxBaseAge = std::chrono::milliseconds(500);
 constexpr double kEarly = 0.1;
 
 TrackerParams make_params(const TrackerConfig& config) {
-  const auto robot = config::load<RobotConfig>(config.robot);
   TrackerParams params = config.tracker;
-  params.limits.max_speed_mps = robot.max_speed_mps;
-  params.limits.max_turn_rate_radps = robot.max_turn_rate_radps;
-  params.limits.max_acceleration_mps2 = robot.max_acceleration_mps2;
+  params.limits = config::load<RobotConfig>(config.robot).limits;
   return params;
 }
 

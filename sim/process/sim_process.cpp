@@ -13,10 +13,9 @@
 #include "common/config/robot.h"
 #include "common/error.h"
 #include "drivers/base/agilex_chassis.h"
-#include "drivers/can/open_port.h"
+#include "drivers/can/process/open_can_port.h"
 #include "sim/camera/depth_noise.h"
 #include "sim/camera/renderer.h"
-#include "sim/robot/exposure.h"
 #include "sim/robot/sim_robot.h"
 #include "sim/wire.h"
 #include "sim/world/ground.h"
@@ -46,11 +45,10 @@ Pose2 start_of(const sim::World& world, int start) {
   return world.starts[static_cast<std::size_t>(start)];
 }
 
-base::ChassisParams chassis_of(const SimChassis& sim, const RobotConfig& robot) {
-  base::ChassisParams params;
-  params.track_m = robot.track_m * (1 + sim.track_error);
-  params.lag_s = sim.lag_s;
-  params.slip = sim.slip;
+base::ChassisParams chassis_of(const SimConfig& config, const RobotConfig& robot) {
+  base::ChassisParams params{.motors = config.motors};
+  params.motors.geometry = robot.base.geometry;
+  params.motors.geometry.track_m *= 1 + config.track_error;
   return params;
 }
 
@@ -60,7 +58,8 @@ Vector6d camera_twist(const Twist2& body, const Pose& T_body_cam) {
   const Eigen::Vector3d linear = Eigen::Vector3d(body.speed_mps, 0, 0) + turn.cross(T_body_cam.translation());
   const Eigen::Matrix3d R_cam_body = T_body_cam.linear().transpose();
   Vector6d twist;
-  twist << R_cam_body * linear, R_cam_body * turn;
+  twist.head<3>() = R_cam_body * linear;
+  twist.tail<3>() = R_cam_body * turn;
   return twist;
 }
 
@@ -71,7 +70,7 @@ struct SimProcess::State {
   Bus& bus;
   Clock& clock;
   sim::World world;
-  sim::Ground ground;
+  sim::GroundMap ground;
   sim::Renderer renderer;
   RobotConfig robot_config;
   Rig rig;
@@ -81,7 +80,7 @@ struct SimProcess::State {
   sim::SimRobot robot;
   sim::SimImu imu;
   sim::SimOdometry odometry;
-  sim::ExposureControl exposure;
+  camera::ExposureController exposure;
   std::int64_t cycle = 0, pair = 0;
   std::int64_t cycles_per_pair = 10;
   /// What the cameras have taken and not yet handed over.
@@ -100,11 +99,12 @@ struct SimProcess::State {
         rig(load_rig(robot_config.rig)),
         left(rig.calibration.left),
         right(rig.calibration.right),
-        port(can::open_port(c.can, "chassis", process_bus, process_clock)),
-        chassis(chassis_of(c.chassis, robot_config), *port),
+        port(can::open_can_port(c.can, "chassis", process_bus, process_clock)),
+        chassis(chassis_of(c, robot_config), *port),
         robot(start_of(world, c.start), [this](const Pose2& pose) { return touches(pose); }),
         imu(c.imu, seed_of(c.seed, 1)),
         odometry(c.odometry, seed_of(c.seed, 2)),
+        exposure(c.exposure),
         alignment_random(seed_of(c.seed, 3)) {
     cycles_per_pair = std::max<std::int64_t>(1, std::llround(1 / (rig.config.rate_hz * kCycleS)));
   }
@@ -145,8 +145,8 @@ struct SimProcess::State {
   sim::CameraImage take(const sim::CameraModel& camera, const Pose& T_body_cam, std::uint64_t which) const {
     sim::CameraShot shot;
     shot.twist_cam = camera_twist(robot.twist(), T_body_cam);
-    shot.exposure_s = exposure.exposure_s();
-    shot.gain = exposure.gain();
+    shot.exposure_s = 1e-6 * exposure.setting().exposure_us;
+    shot.gain = std::pow(10, exposure.setting().gain_db / 20);
     shot.seed = seed_of(config.seed, 16 + 2 * static_cast<std::uint64_t>(pair) + which);
     return renderer.render(camera, robot.pose().to_pose() * T_body_cam, shot);
   }
@@ -155,9 +155,9 @@ struct SimProcess::State {
     const Pose& T_body_left = rig.calibration.T_body_left;
     const cv::Mat1b left_image = take(left, T_body_left, 0).image;
     const cv::Mat1b right_image = take(right, T_body_left * rig.calibration.T_right_left.inverse(), 1).image;
-    transfer(channels::kStereoImages,
-             sim::to_wire(now, pair, exposure.exposure_s(), exposure.gain(), left_image, right_image));
-    exposure.update(left_image, right_image);
+    const camera::ExposureSetting setting = exposure.setting();
+    transfer(channels::kStereoImages, sim::to_wire(now, pair, setting, left_image, right_image));
+    (void)exposure.update(setting, 0.5 * (cv::mean(left_image)[0] + cv::mean(right_image)[0]));
   }
 
   void take_depth(Time now) {

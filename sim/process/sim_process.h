@@ -15,25 +15,12 @@
 
 #include "common/bus/bus.h"
 #include "common/config/fields.h"
+#include "drivers/base/wheel_motors.h"
+#include "drivers/camera/exposure_controller.h"
 #include "sim/robot/sim_imu.h"
 #include "sim/robot/sim_odometry.h"
 
 namespace arpent {
-
-struct SimChassis {
-  double lag_s = 0.1;
-  double slip = 0.01;
-  double track_error = 0.01;
-
-  template <class Self, class Visitor>
-  static void describe(Self& self, Visitor& visitor) {
-    visitor.field("lag_s", self.lag_s, "time constant of the motors", config::between(0.0, 2.0));
-    visitor.field("slip", self.slip, "share of the wheels' way that the ground does not get",
-                  config::between(0.0, 0.9));
-    visitor.field("track_error", self.track_error, "by how much the effective track is wider than the robot file says",
-                  config::between(-0.5, 0.5));
-  }
-};
 
 struct SimConfig {
   std::filesystem::path world;
@@ -42,7 +29,9 @@ struct SimConfig {
   int seed = 1;
   std::string sensing = "images";
   std::string can = "bus";
-  SimChassis chassis;
+  base::MotorParams motors{.left_slip = 0.01, .right_slip = 0.01};
+  double track_error = 0.01;
+  camera::ExposureParams exposure;
   sim::ImuNoise imu;
   sim::OdometryNoise odometry;
 
@@ -54,8 +43,11 @@ struct SimConfig {
     visitor.field("seed", self.seed, "seed of all noise", config::at_least(0));
     visitor.field("sensing", self.sensing, "images: cameras; depth: depth and odometry, for missions about planning",
                   config::one_of({"images", "depth"}));
-    visitor.field("can", self.can, "the chassis' place on the CAN bus: `bus` (messages on channel CAN) or socket:PATH");
-    visitor.group("chassis", self.chassis, "the motor base");
+    visitor.field("can", self.can, "the chassis' place on the CAN bus: bus (messages on channel CAN) or socket:PATH");
+    visitor.group("motors", self.motors, "motors and wheels; their geometry is the robot file's");
+    visitor.field("track_error", self.track_error, "by how much the effective track is wider than the robot file says",
+                  config::between(-0.5, 0.5));
+    visitor.group("exposure", self.exposure, "exposure of both cameras");
     visitor.group("imu", self.imu, "the inertial unit");
     visitor.group("odometry", self.odometry, "drift of the odometry that `sensing: depth` gives");
   }

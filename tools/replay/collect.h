@@ -12,13 +12,18 @@ namespace arpent::tools {
 
 class Collector {
  public:
-  /// `log` may be nullptr.
-  Collector(ReplayResult& result, LogWriter* log) : result_(result), log_(log) {}
+  /// `log` may be nullptr. `running`: the processes whose outputs count as the replay's own.
+  Collector(ReplayResult& result, LogWriter* log, const std::set<std::string>& running) : result_(result), log_(log) {
+    for (const std::string& process : running) {
+      for (const std::string& channel : outputs_of(process)) replayed_.insert(channel);
+    }
+  }
   void take(Time time, const std::string& channel, BytesView bytes);
 
  private:
   ReplayResult& result_;
   LogWriter* log_;
+  std::set<std::string> replayed_;
 };
 
 /// Which part of a log is played.

@@ -35,6 +35,7 @@ struct Contents {
   std::vector<Time> pairs;
   evaluation::Trajectory truth;
   std::int64_t unreadable = 0;
+  bool drive = false;
 };
 
 Contents scan(LogReader& reader) {
@@ -43,6 +44,8 @@ Contents scan(LogReader& reader) {
     std::string fault;
     if (event->channel == channels::kStereoImages) {
       contents.pairs.push_back(event->time);
+    } else if (event->channel == channels::kWheelState) {
+      contents.drive = true;
     } else if (event->channel == channels::kTruthPose) {
       if (const auto pose = read_truth(event->data)) contents.truth.push_back(*pose);
     } else if (event->channel == channels::kConfig) {
@@ -54,6 +57,12 @@ Contents scan(LogReader& reader) {
     }
   }
   return contents;
+}
+
+/// Before reading, so that the log need not name it; and after, whatever it names.
+void use_rig(ReplayInput& input) {
+  ReplayConfig& config = input.config;
+  config.depth.rig = config.odometry.rig = config.tags.rig = config.mapping.rig = input.rig_file;
 }
 
 }  // namespace
@@ -80,9 +89,11 @@ ReplayInput open_log(const std::filesystem::path& log, const std::filesystem::pa
     atomic_write(input.rig_file, contents.configs["rig"]);
   }
   (void)load_rig(input.rig_file);
-  input.config.depth.rig = input.config.odometry.rig = input.config.mapping.rig = input.rig_file;
+  input.drive = contents.drive;
+  use_rig(input);
   config::read(input.config,
                {.text = contents.configs["replay"], .text_name = log.string() + " (replay)", .settings = settings});
+  use_rig(input);
   const LogDamage& damage = reader.damage();
   if (damage.places > 0) {
     input.warnings.push_back(fmt::format("the log is damaged in {} places: {} bytes passed over, {} events missing",

@@ -34,9 +34,11 @@ std::int64_t write_input_log(const ReplayInput& input, const ReplayOptions& opti
   std::int64_t seen = 0;
   std::int64_t pairs = 0;
   while (const auto event = reader.next()) {
-    if (event->channel != channels::kStereoImages || !window.wants(event->time, seen++)) continue;
+    const bool pair = event->channel == channels::kStereoImages;
+    if (!pair && event->channel != channels::kWheelState && event->channel != channels::kImu) continue;
+    if (!window.wants(event->time, pair ? seen++ : 0)) continue;
     writer.write(event->time, event->channel, event->data);
-    ++pairs;
+    pairs += pair ? 1 : 0;
   }
   writer.close();
   return pairs;
@@ -108,34 +110,37 @@ ReplayResult run_live(const ReplayInput& input, const ReplayOptions& options, co
   const std::int64_t pairs = write_input_log(input, options, in_log);
   atomic_write(work_folder / "depth.yaml", config::to_yaml(config.depth));
   atomic_write(work_folder / "odometry.yaml", config::to_yaml(config.odometry));
+  atomic_write(work_folder / "tag.yaml", config::to_yaml(config.tags));
+  atomic_write(work_folder / "pose.yaml", config::to_yaml(config.pose));
   atomic_write(work_folder / "mapping.yaml", config::to_yaml(config.mapping));
+  const std::set<std::string> running = processes_to_run(input, options);
 
   Launcher launcher(work_folder / "launch.log");
   Roll roll(url);
-  for (const std::string& name : options.processes) {
+  for (const std::string& name : running) {
     launcher.start({name,
                     {(bin_folder / (name + "_process")).string(), "--config", (work_folder / (name + ".yaml")).string(),
                      "--lcm-url", url},
                     true});
   }
   launcher.start({"logger", {"lcm-logger", "--lcm-url=" + url, "-f", out_log.string()}, false});
-  for (int i = 0; i < 100 && !roll.all_present(options.processes.size()); ++i) {
+  for (int i = 0; i < 100 && !roll.all_present(running.size()); ++i) {
     launcher.poll(10);
     roll.listen(100ms);
   }
-  if (!roll.all_present(options.processes.size())) {
+  if (!roll.all_present(running.size())) {
     throw InputError("not all processes came up; see " + (work_folder / "launch.log").string());
   }
   roll.listen(300ms);
   launcher.start(
       {"logplayer", {"lcm-logplayer", "-s", fmt::format("{}", options.speed), "-l", url, in_log.string()}, false});
   wait_until_quiet(launcher, roll, pairs);
-  for (const std::string& name : options.processes) launcher.stop(name, 20000);
+  for (const std::string& name : running) launcher.stop(name, 20000);
   roll.listen(300ms);
   launcher.stop_all(5000);
 
   ReplayResult result;
-  Collector collector(result, nullptr);
+  Collector collector(result, nullptr, running);
   LogReader reader(out_log);
   while (const auto event = reader.next()) collector.take(event->time, event->channel, event->data);
   result.processes = roll.figures();

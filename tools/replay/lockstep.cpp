@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <time.h>
 
+#include <algorithm>
 #include <arpent/map_status_t.hpp>
 #include <arpent/odometry_t.hpp>
 #include <chrono>
@@ -26,7 +27,66 @@ double process_cpu_s() {
   return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
 }
 
+const std::vector<std::string> kAllProcesses{"depth", "odometry", "tag", "pose", "mapping"};
+
+/// Only inputs are played: what the processes publish themselves comes from them. Outputs of processes that do not run
+/// are inputs.
+std::set<std::string> channels_to_play(const std::set<std::string>& running) {
+  std::set<std::string> play{channels::kStereoImages, channels::kWheelState, channels::kImu};
+  for (const std::string& process : kAllProcesses) {
+    if (running.contains(process)) continue;
+    for (const std::string& channel : outputs_of(process)) play.insert(channel);
+  }
+  return play;
+}
+
+/// The mapping process, or nullptr if it does not run.
+const MappingProcess* add_processes(LockstepStack& stack, const ReplayConfig& config,
+                                    const std::set<std::string>& running) {
+  if (running.contains("depth")) stack.add<DepthProcess>(config.depth);
+  if (running.contains("odometry")) stack.add<OdometryProcess>(config.odometry);
+  if (running.contains("tag")) stack.add<TagProcess>(config.tags);
+  if (running.contains("pose")) stack.add<PoseProcess>(config.pose);
+  return running.contains("mapping") ? &stack.add<MappingProcess>(config.mapping) : nullptr;
+}
+
 }  // namespace
+
+std::vector<std::string> outputs_of(const std::string& process) {
+  if (process == "depth") return {channels::kDepth, channels::kDisparity, channels::kDisparityFilled};
+  if (process == "odometry") return {channels::kOdometry};
+  if (process == "tag") return {channels::kTagObservation, channels::kFrameAlignment};
+  if (process == "pose") return {channels::kPose, channels::kPairPose};
+  if (process == "mapping") return {channels::kMapStatus};
+  return {};
+}
+
+std::set<std::string> processes_to_run(const ReplayInput& input, const ReplayOptions& options) {
+  if (!options.processes.empty()) return options.processes;
+  std::set<std::string> all(kAllProcesses.begin(), kAllProcesses.end());
+  if (!input.drive) {
+    all.erase("tag");
+    all.erase("pose");
+  }
+  return all;
+}
+
+LogComparison compare_with_log(const ReplayInput& input, const ReplayResult& result) {
+  std::map<std::string, std::vector<std::uint32_t>> logged;
+  LogReader reader(input.log);
+  while (const auto event = reader.next()) {
+    if (result.outputs.contains(event->channel)) logged[event->channel].push_back(crc32c_of(event->data));
+  }
+  LogComparison comparison;
+  for (const auto& [channel, crcs] : logged) {
+    const std::vector<std::uint32_t>& ours = result.outputs.at(channel);
+    comparison.compared += static_cast<std::int64_t>(crcs.size());
+    for (std::size_t i = 0; i < std::max(crcs.size(), ours.size()); ++i) {
+      comparison.different += i >= crcs.size() || i >= ours.size() || crcs[i] != ours[i] ? 1 : 0;
+    }
+  }
+  return comparison;
+}
 
 void Collector::take(Time time, const std::string& channel, BytesView bytes) {
   if (log_) log_->write(time, channel, bytes);
@@ -37,6 +97,7 @@ void Collector::take(Time time, const std::string& channel, BytesView bytes) {
   const std::int64_t utime = to_utime(time);
   result_.log_crc = crc32c_of(std::span<const std::int64_t>(&utime, 1), result_.log_crc);
   result_.log_crc = crc32c_of(bytes, result_.log_crc);
+  if (replayed_.contains(channel)) result_.outputs[channel].push_back(crc32c_of(bytes));
   std::string fault;
   if (channel == channels::kOdometry) {
     odometry_t message;
@@ -66,26 +127,20 @@ ReplayResult run_lockstep(const ReplayInput& input, const ReplayOptions& options
   ReplayResult result;
   std::unique_ptr<LogWriter> log;
   if (!options.out_log.empty()) log = std::make_unique<LogWriter>(options.out_log);
-  Collector collector(result, log.get());
+  const std::set<std::string> running = processes_to_run(input, options);
+  Collector collector(result, log.get(), running);
   LockstepStack stack(input.pairs.front(), options.threads);
   LockstepExecutor& executor = stack.executor();
   executor.set_tap(
       [&](Time time, const std::string& channel, BytesView bytes) { collector.take(time, channel, bytes); });
-  const bool depth = options.processes.contains("depth"), odometry = options.processes.contains("odometry");
-  if (depth) stack.add<DepthProcess>(input.config.depth);
-  if (odometry) stack.add<OdometryProcess>(input.config.odometry);
-  const MappingProcess* mapping =
-      options.processes.contains("mapping") ? &stack.add<MappingProcess>(input.config.mapping) : nullptr;
+  const MappingProcess* mapping = add_processes(stack, input.config, running);
+  const std::set<std::string> inputs = channels_to_play(running);
   LogReader reader(input.log);
   const Window window(input.pairs.front(), options);
   std::size_t seen = 0;
   while (const auto event = reader.next()) {
-    // Only inputs are played: what the processes publish themselves comes from them. Outputs of processes that do not
-    // run are inputs.
+    if (!inputs.contains(event->channel)) continue;
     const bool pair = event->channel == channels::kStereoImages;
-    const bool other =
-        (event->channel == channels::kDepth && !depth) || (event->channel == channels::kOdometry && !odometry);
-    if (!pair && !other) continue;
     if (!window.wants(event->time, pair ? static_cast<std::int64_t>(seen++) : 0)) continue;
     executor.run_until(std::max(executor.now(), event->time - Duration(1)));
     executor.inject(event->time, event->channel, event->data);

@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: The arpent authors
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// Replays a log of stereo pairs through depth, odometry and mapping: in lockstep (all in this process, simulated time,
-// the same bytes each time) or live (separate processes, lcm-logplayer and lcm-logger on a bus of their own), and
-// compares the two.
+// Replays a log of stereo pairs through depth, odometry and mapping, and of a robot's drive through tags and the fused
+// pose too: in lockstep (all in this process, simulated time, the same bytes each time) or live (separate processes,
+// lcm-logplayer and lcm-logger on a bus of their own). Compares the two, and both with what the log says.
 #pragma once
 
 #include <filesystem>
@@ -20,6 +20,8 @@
 #include "perception/odometry/wire.h"
 #include "perception/process/depth_process.h"
 #include "perception/process/odometry_process.h"
+#include "perception/process/pose_process.h"
+#include "perception/process/tag_process.h"
 #include "tools/evaluation/trajectory.h"
 #include "tools/stack/lockstep_stack.h"
 
@@ -30,6 +32,8 @@ struct ReplayConfig {
   std::string trajectory_frame = "body";
   DepthConfig depth;
   OdometryConfig odometry;
+  TagConfig tags;
+  PoseConfig pose;
   MappingConfig mapping;
 
   template <class Self, class Visitor>
@@ -38,6 +42,8 @@ struct ReplayConfig {
                   config::one_of({"cam0", "body", "imu"}));
     visitor.group("depth", self.depth, "depth_process");
     visitor.group("odometry", self.odometry, "odometry_process");
+    visitor.group("tags", self.tags, "tag_process");
+    visitor.group("pose", self.pose, "pose_process");
     visitor.group("mapping", self.mapping, "mapping_process");
   }
 };
@@ -48,6 +54,7 @@ struct ReplayInput {
   std::filesystem::path rig_file;  ///< extracted beside the outputs
   ReplayConfig config;
   std::vector<Time> pairs;            ///< times of the stereo pairs
+  bool drive = false;                 ///< the log has the wheels of a drive, so that tags and the fused pose can run
   evaluation::Trajectory truth;       ///< T_world_body; empty if unknown
   std::vector<std::string> warnings;  ///< damage of the log
 };
@@ -62,7 +69,8 @@ struct ReplayOptions {
   double duration_s = 1e9;
   int step = 1;      ///< use each n-th pair
   double speed = 1;  ///< live only
-  std::set<std::string> processes{"depth", "odometry", "mapping"};
+  /// Of depth, odometry, tag, pose, mapping; empty: all that the log has the inputs for.
+  std::set<std::string> processes;
   std::filesystem::path out_log;  ///< what was published, as a log; empty: nowhere
   int threads = 2;
 };
@@ -75,6 +83,8 @@ struct ReplayResult {
   std::map<std::int64_t, std::uint32_t> map_digests;  ///< by utime
   TriangleMesh mesh;
   std::map<std::string, ProcessFigures> processes;
+  /// CRC-32C of each message that the replayed processes published, by channel, in order.
+  std::map<std::string, std::vector<std::uint32_t>> outputs;
   std::uint32_t log_crc = 0;  ///< over all that was published, in order: equal runs, equal CRCs
   double cpu_s = 0;
   double wall_s = 0;
@@ -93,6 +103,19 @@ struct ReplayDifference {
   [[nodiscard]] bool identical() const { return depth_different == 0 && map_different == 0 && mesh_equal; }
 };
 [[nodiscard]] ReplayDifference compare(const ReplayResult& a, const ReplayResult& b);
+
+/// The processes of `options` that this log can feed.
+[[nodiscard]] std::set<std::string> processes_to_run(const ReplayInput& input, const ReplayOptions& options);
+/// Channels that a process (of those names) publishes.
+[[nodiscard]] std::vector<std::string> outputs_of(const std::string& process);
+
+/// Messages that the replay published against those of the same channels in the log.
+struct LogComparison {
+  std::int64_t compared = 0;   ///< messages that the log has
+  std::int64_t different = 0;  ///< of them, those that the replay did not publish alike, and the replay's surplus
+};
+/// Only for the whole log; channels that the log has nothing of do not count.
+[[nodiscard]] LogComparison compare_with_log(const ReplayInput& input, const ReplayResult& result);
 
 /// The path of `frame` ("body", "imu": the body; "cam0": the left camera, from its own first pose), one row per
 /// odometry message.

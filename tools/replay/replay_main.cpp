@@ -39,8 +39,9 @@ void add_options(CLI::App& app, Flags& flags) {
   app.add_option("--step", flags.options.step, "use each n-th pair")->check(CLI::Range(1, 1000));
   app.add_option("--speed", flags.options.speed, "live: speed of the player")->check(CLI::Range(0.01, 100.0));
   app.add_option("--only", flags.processes,
-                 "run only these processes (depth, odometry, mapping); what the others publish comes from the log")
-      ->check(CLI::IsMember({"depth", "odometry", "mapping"}));
+                 "run only these processes (depth, odometry, tag, pose, mapping); what the others publish comes from "
+                 "the log")
+      ->check(CLI::IsMember({"depth", "odometry", "tag", "pose", "mapping"}));
   app.add_option("--out-log", flags.options.out_log, "write everything published as a log");
   app.add_flag("--live", flags.live, "separate processes with lcm-logplayer and lcm-logger, compared with lockstep");
 }

@@ -17,6 +17,7 @@
 #include "perception/stereo/rectifier.h"
 #include "perception/stereo/wire.h"
 #include "tools/report/mesh_view.h"
+#include "tools/report/processes.h"
 
 namespace arpent::tools {
 namespace {
@@ -26,13 +27,6 @@ constexpr const char* kEstimateColor = "#0b8f87";
 
 evaluation::Alignment alignment_for(const std::string& frame) {
   return frame == "cam0" ? evaluation::Alignment::kSe3 : evaluation::Alignment::kPosYaw;
-}
-
-double percentile(std::vector<double> values, double share) {
-  if (values.empty()) return 0;
-  const auto at = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), values.begin() + at, values.end());
-  return values[static_cast<std::size_t>(at)];
 }
 
 std::int64_t count_lost(const ReplayResult& result) {
@@ -126,20 +120,6 @@ void add_trajectory(report::Page& page, const ReplayInput& input, const ReplayRe
   page.plot({error}, "time [s]", "error [cm]", false);
 }
 
-void add_processes(report::Page& page, const ReplayResult& result) {
-  page.section("Processes", "CPU time of each handler, and what was counted.");
-  std::vector<std::vector<std::string>> timings, counts;
-  for (const auto& [name, figures] : result.processes) {
-    for (const auto& [channel, ms] : figures.handler_ms) {
-      timings.push_back({name, channel, std::to_string(ms.size()), fmt::format("{:.1f}", percentile(ms, 0.5)),
-                         fmt::format("{:.1f}", percentile(ms, 0.95)), fmt::format("{:.1f}", percentile(ms, 1.0))});
-    }
-    for (const auto& [counter, value] : figures.counters) counts.push_back({name, counter, std::to_string(value)});
-  }
-  page.table({"process", "input", "calls", "median [ms]", "p95 [ms]", "max [ms]"}, timings);
-  page.table({"process", "counter", "value"}, counts);
-}
-
 }  // namespace
 
 std::optional<double> measure_reprojection(const ReplayInput& input, const ReplayResult& result) {
@@ -200,6 +180,12 @@ Summary summarise(const ReplayInput& input, const ReplayResult& result, const Re
     figures.push_back({"speed", fmt::format("{:.1f} x real time", duration_s / result.wall_s),
                        fmt::format("{:.2f} s of CPU", result.cpu_s)});
   }
+  // A part of the log, or every other pair, gives other messages.
+  const bool whole = result.pairs == static_cast<std::int64_t>(input.pairs.size());
+  if (const LogComparison log = compare_with_log(input, result); whole && log.compared > 0) {
+    figures.push_back({"equal to the log", log.different == 0 ? "yes" : "no",
+                       fmt::format("{} of {} messages differ", log.different, log.compared)});
+  }
   if (live != nullptr) {
     summary.difference = compare(result, *live);
     figures.push_back({"live equals lockstep", summary.difference->identical() ? "yes" : "no",
@@ -242,7 +228,7 @@ void write_replay_report(const std::filesystem::path& folder, const ReplayInput&
   page.pictures({{report::draw_birds_eye(result.mesh, paths, {1280, 720}), "mesh.ply"}});
   page.section("Depth beside its image");
   page.pictures(depth_panels(input, result));
-  add_processes(page, result);
+  report::add_processes(page, result.processes);
   page.write(folder);
 }
 

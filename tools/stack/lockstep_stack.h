@@ -11,15 +11,9 @@
 #include <vector>
 
 #include "common/bus/lockstep.h"
+#include "tools/stack/process_figures.h"
 
 namespace arpent::tools {
-
-/// What a process knows of itself at the end of a run.
-struct ProcessFigures {
-  std::map<std::string, std::int64_t> counters;
-  std::map<std::string, std::vector<double>> handler_ms;
-  std::vector<std::pair<std::string, std::int64_t>> messages;
-};
 
 class LockstepStack {
  public:

@@ -1,0 +1,132 @@
+// SPDX-FileCopyrightText: The arpent authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <time.h>
+
+#include <arpent/config_t.hpp>
+#include <chrono>
+#include <fstream>
+#include <sstream>
+
+#include "common/bus/typed.h"
+#include "common/channels.h"
+#include "common/config/rig.h"
+#include "common/config/robot.h"
+#include "common/error.h"
+#include "common/memory.h"
+#include "mapping/surface/mesh_extraction.h"
+#include "tools/mission/live.h"
+#include "tools/mission/run.h"
+#include "tools/progress.h"
+#include "tools/replay/replay.h"
+
+namespace arpent::tools {
+namespace {
+
+/// Any time will do; a date makes logs readable. The same for every run, so that logs can be compared.
+constexpr Time kStart{std::chrono::seconds(1767225600)};  // 2026-01-01
+constexpr Duration kStartAfter = std::chrono::milliseconds(500);
+constexpr Duration kStep = std::chrono::milliseconds(200);
+/// After the end the base has still to come to rest.
+constexpr Duration kRunOut = std::chrono::seconds(1);
+constexpr std::size_t kProgressSteps = 1000;
+
+double process_cpu_s() {
+  timespec t{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+}
+
+std::string text_of(const std::filesystem::path& file) {
+  std::ifstream in(file);
+  std::ostringstream text;
+  text << in.rdbuf();
+  return text.str();
+}
+
+void show(const MissionResult& result) {
+  if (result.reports.empty()) return;
+  const planning::MissionReport& report = result.reports.back();
+  show_progress(report.activity, static_cast<std::size_t>(report.progress * kProgressSteps), kProgressSteps);
+}
+
+}  // namespace
+
+/// The parameters of perception and mapping, so that the log replays with nothing else at hand.
+void write_configs(LogWriter& log, Time time, const MissionSpec& spec) {
+  ReplayConfig replay;
+  replay.depth = spec.depth;
+  replay.odometry = spec.odometry;
+  replay.tags = spec.tags;
+  replay.pose = spec.pose;
+  replay.mapping = spec.mapping;
+  // The log's reader puts the rig where it wants it; nothing is saved elsewhere.
+  replay.depth.rig = replay.odometry.rig = replay.tags.rig = replay.mapping.rig = "-";
+  replay.mapping.map_file = replay.mapping.mesh_file = "";
+  const auto write = [&](const char* name, const std::string& yaml) {
+    config_t message{};
+    message.utime = to_utime(time);
+    message.name = name;
+    message.yaml = yaml;
+    log.write(time, channels::kConfig, encode(message));
+  };
+  write("rig", config::to_yaml(load_rig(spec.depth.rig).config));
+  write("replay", config::to_yaml(replay));
+  write("robot", text_of(spec.robot));
+  write("world", text_of(spec.world));
+}
+
+namespace {
+
+MissionResult run_lockstep(const MissionSpec& spec, const MissionOptions& options) {
+  keep_freed_memory();
+  const double cpu_start = process_cpu_s();
+  const auto wall_start = std::chrono::steady_clock::now();
+  MissionResult result;
+  result.log = options.out / "mission.lcmlog";
+  LogWriter log(result.log);
+  write_configs(log, kStart, spec);
+  MissionCollector collector(result, &log);
+  LockstepStack stack(kStart, options.threads);
+  stack.executor().set_tap(
+      [&](Time time, const std::string& channel, BytesView bytes) { collector.take(time, channel, bytes); });
+  const SimProcess& sim = stack.add<SimProcess>(spec.sim);
+  stack.add<BaseDriverProcess>(spec.base);
+  if (spec.sensing == "images") {
+    stack.add<DepthProcess>(spec.depth);
+    stack.add<OdometryProcess>(spec.odometry);
+    stack.add<TagProcess>(spec.tags);
+  }
+  stack.add<PoseProcess>(spec.pose);
+  stack.add<TrackerProcess>(spec.tracker);
+  const MappingProcess& mapping = stack.add<MappingProcess>(spec.mapping);
+  stack.add<MissionProcess>(spec.mission);
+  stack.executor().inject(kStart + kStartAfter, channels::kMissionCommand,
+                          encode(planning::to_wire(kStart, {planning::MissionCommand::kStart, "mission"})));
+  const auto ended = [&] {
+    return !result.reports.empty() && (result.reports.back().state == planning::MissionState::kDone ||
+                                       result.reports.back().state == planning::MissionState::kAborted);
+  };
+  while (!ended() && !interrupted()) {
+    stack.executor().run_until(stack.executor().now() + kStep);
+    if (options.progress) show(result);
+  }
+  stack.executor().run_until(stack.executor().now() + kRunOut);
+  stack.finish();
+  stack.executor().run_until(stack.executor().now() + kStep);
+  log.close();
+  result.collisions = sim.collisions();
+  result.mesh = mapping::extract_mesh(mapping.map());
+  result.processes = stack.figures();
+  result.cpu_s = process_cpu_s() - cpu_start;
+  result.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - wall_start).count();
+  return result;
+}
+
+}  // namespace
+
+MissionResult run_mission(const MissionSpec& spec, const MissionOptions& options) {
+  std::filesystem::create_directories(options.out);
+  return options.live ? run_live_mission(spec, options) : run_lockstep(spec, options);
+}
+
+}  // namespace arpent::tools

@@ -1,0 +1,54 @@
+// SPDX-FileCopyrightText: The arpent authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "tools/mission/mission_file.h"
+
+#include "common/config/robot.h"
+#include "sim/world/world.h"
+
+namespace arpent::tools {
+namespace {
+
+/// Paths that the processes ask for and the mission fills in: not empty, so that the file need not name them.
+const char* const kFilledIn = "-";
+
+tags::TagCubeConfig to_config(const sim::TagCube& cube) {
+  tags::TagCubeConfig config;
+  config.x_m = cube.centre_m.x();
+  config.y_m = cube.centre_m.y();
+  config.z_m = cube.centre_m.z();
+  config.yaw_rad = cube.yaw_rad;
+  config.edge_m = cube.edge_m;
+  config.tag_m = cube.tag_m;
+  config.ids.assign(cube.ids.begin(), cube.ids.end());
+  return config;
+}
+
+}  // namespace
+
+MissionSpec load_mission(const std::filesystem::path& file, const MissionOverrides& overrides) {
+  MissionSpec spec;
+  spec.sim.world = spec.sim.robot = spec.base.robot = spec.tracker.robot = kFilledIn;
+  spec.depth.rig = spec.odometry.rig = spec.tags.rig = spec.mapping.rig = kFilledIn;
+  spec.base.port = "bus";
+  spec.mapping.pose_source = "pair_pose";
+  config::read(spec, {.file = file, .settings = overrides.settings});
+  if (!overrides.world.empty()) spec.world = overrides.world;
+  if (overrides.seed) spec.seed = *overrides.seed;
+  if (!overrides.sensing.empty()) spec.sensing = overrides.sensing;
+  config::check(spec, file.string());
+
+  const auto robot = config::load<RobotConfig>(spec.robot);
+  const sim::World world = sim::load_world(spec.world);
+  spec.sim.world = spec.world;
+  spec.sim.robot = spec.base.robot = spec.tracker.robot = spec.robot;
+  spec.sim.start = spec.start;
+  spec.sim.seed = spec.seed;
+  spec.sim.sensing = spec.sensing;
+  spec.odometry.odometry.seed = spec.seed;
+  spec.depth.rig = spec.odometry.rig = spec.tags.rig = spec.mapping.rig = robot.rig;
+  spec.pose.fusion.wheels.track_m = robot.base.geometry.track_m;
+  if (world.tag_cube) spec.tags.cube = to_config(*world.tag_cube);
+  return spec;
+}
+
+}  // namespace arpent::tools

@@ -1,0 +1,75 @@
+// SPDX-FileCopyrightText: The arpent authors
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// The mission file (config/missions): which world or robot, where from, what to do, and whatever shall differ from the
+// processes' defaults. docs/missions.md describes it.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "control/process/tracker_process.h"
+#include "drivers/base/process/base_driver_process.h"
+#include "mapping/process/mapping_process.h"
+#include "perception/process/depth_process.h"
+#include "perception/process/odometry_process.h"
+#include "perception/process/pose_process.h"
+#include "perception/process/tag_process.h"
+#include "planning/process/mission_process.h"
+#include "sim/process/sim_process.h"
+
+namespace arpent::tools {
+
+/// What a simulated mission consists of.
+struct MissionSpec {
+  std::string name = "mission";
+  std::filesystem::path world;
+  std::filesystem::path robot;
+  int start = 0;
+  int seed = 1;
+  std::string sensing = "images";
+  SimConfig sim;
+  BaseDriverConfig base;
+  DepthConfig depth;
+  OdometryConfig odometry;
+  TagConfig tags;
+  PoseConfig pose;
+  TrackerConfig tracker;
+  MappingConfig mapping;
+  MissionConfig mission;
+
+  template <class Self, class Visitor>
+  static void describe(Self& self, Visitor& visitor) {
+    visitor.field("name", self.name, "name of the mission");
+    visitor.field("world", self.world, "world file to simulate", config::required_path());
+    visitor.field("robot", self.robot, "robot file", config::required_path());
+    visitor.field("start", self.start, "which of the world's starts, from 0", config::at_least(0));
+    visitor.field("seed", self.seed, "seed of all simulated noise", config::at_least(0));
+    visitor.field("sensing", self.sensing, "images: cameras and all perception; depth: for missions about planning",
+                  config::one_of({"images", "depth"}));
+    visitor.group("sim", self.sim, "sim_process");
+    visitor.group("base", self.base, "base_driver_process");
+    visitor.group("depth", self.depth, "depth_process");
+    visitor.group("odometry", self.odometry, "odometry_process");
+    visitor.group("tags", self.tags, "tag_process");
+    visitor.group("pose", self.pose, "pose_process");
+    visitor.group("tracker", self.tracker, "tracker_process");
+    visitor.group("mapping", self.mapping, "mapping_process");
+    visitor.group("mission", self.mission, "mission_process");
+  }
+};
+
+/// What the command line says on top of the file.
+struct MissionOverrides {
+  std::filesystem::path world;
+  std::optional<int> seed;
+  std::string sensing;
+  std::vector<std::string> settings;  ///< key=value
+};
+
+/// Reads and completes a mission: every process gets its robot, rig, world and cube. Throws InputError.
+[[nodiscard]] MissionSpec load_mission(const std::filesystem::path& file, const MissionOverrides& overrides);
+
+}  // namespace arpent::tools

@@ -29,12 +29,14 @@ TEST(Lens, DistortsAsOpenCvDoes) {
       const std::vector<cv::Point3d> point{{x, y, 1}};
       std::vector<cv::Point2d> pixel;
       const auto& k = kLenses[1].coefficients;
-      cv::projectPoints(point, cv::Vec3d(0, 0, 0), cv::Vec3d(0, 0, 0), K, std::vector<double>(k.begin(), k.end()), pixel);
+      cv::projectPoints(point, cv::Vec3d(0, 0, 0), cv::Vec3d(0, 0, 0), K, std::vector<double>(k.begin(), k.end()),
+                        pixel);
       const Eigen::Vector2d ours = 188.5 * distort(kLenses[1], {x, y}) + Eigen::Vector2d(159.5, 127.5);
       EXPECT_NEAR(ours.x(), pixel[0].x, 1e-9);
       EXPECT_NEAR(ours.y(), pixel[0].y, 1e-9);
       const auto& e = kLenses[2].coefficients;
-      cv::fisheye::projectPoints(point, pixel, cv::Vec3d(0, 0, 0), cv::Vec3d(0, 0, 0), K, cv::Vec4d(e[0], e[1], e[2], e[3]));
+      cv::fisheye::projectPoints(point, pixel, cv::Vec3d(0, 0, 0), cv::Vec3d(0, 0, 0), K,
+                                 cv::Vec4d(e[0], e[1], e[2], e[3]));
       const Eigen::Vector2d fish = 188.5 * distort(kLenses[2], {x, y}) + Eigen::Vector2d(159.5, 127.5);
       EXPECT_NEAR(fish.x(), pixel[0].x, 1e-9);
       EXPECT_NEAR(fish.y(), pixel[0].y, 1e-9);
@@ -64,8 +66,9 @@ TEST(Lens, PixelsSeeAlongUndistortedRays) {
   for (int v = 8; v < 256; v += 40) {
     for (int u = 100; u < 320; u += 40) {
       std::vector<cv::Point2d> ideal;
-      cv::undistortPoints(std::vector<cv::Point2d>{{double(u), double(v)}}, ideal, K, std::vector<double>(k.begin(), k.end()),
-                          cv::noArray(), cv::noArray(), cv::TermCriteria(3, 100, 1e-12));
+      cv::undistortPoints(std::vector<cv::Point2d>{{double(u), double(v)}}, ideal, K,
+                          std::vector<double>(k.begin(), k.end()), cv::noArray(), cv::noArray(),
+                          cv::TermCriteria(3, 100, 1e-12));
       // Along x of the world: z cos(yaw) + x sin(yaw) in camera coordinates is 3 m.
       const double z = 3 / (std::cos(yaw) + ideal[0].x * std::sin(yaw));
       if (std::abs(z * ideal[0].y) > 4.9 || z > 8) continue;

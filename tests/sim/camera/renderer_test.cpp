@@ -44,7 +44,8 @@ double arena_depth(const Eigen::Vector3d& from, const Eigen::Vector3d& ray) {
   }
   plane(2, 2, box0, box1);
   // The tag cube and its stand.
-  const Eigen::Vector3d cube0(2.05, 3.35, 0.25), cube1(2.35, 3.65, 0.55), stand0(2.18, 3.48, 0), stand1(2.22, 3.52, 0.25);
+  const Eigen::Vector3d cube0(2.05, 3.35, 0.25), cube1(2.35, 3.65, 0.55), stand0(2.18, 3.48, 0),
+      stand1(2.22, 3.52, 0.25);
   for (int axis = 0; axis < 3; ++axis) {
     for (const double at : {cube0[axis], cube1[axis]}) plane(axis, at, cube0, cube1);
     for (const double at : {stand0[axis], stand1[axis]}) plane(axis, at, stand0, stand1);
@@ -203,7 +204,8 @@ TEST(Renderer, TheArenaHasPoorWallsAndARichFloor) {
   const auto rich_share = [&](const cv::Rect& part) {
     int rich = 0;
     for (int v = part.y; v < part.br().y; ++v) {
-      for (int u = part.x; u < part.br().x; ++u) rich += std::abs(shot.image(v, u + 1) - shot.image(v, u - 1)) > 8 ? 1 : 0;
+      for (int u = part.x; u < part.br().x; ++u)
+        rich += std::abs(shot.image(v, u + 1) - shot.image(v, u - 1)) > 8 ? 1 : 0;
     }
     return static_cast<double>(rich) / part.area();
   };

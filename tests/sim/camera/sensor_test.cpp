@@ -72,13 +72,15 @@ TEST(Sensor, PixelMotionAgreesWithFiniteDifferences) {
   CameraShot shot;
   shot.twist_cam << 0.3, -0.2, 0.5, 0.4, 1.0, -0.6;
   const PixelMotion motion(camera, shot);
-  for (const Eigen::Vector3d& p : {Eigen::Vector3d(0.5, -0.3, 2), Eigen::Vector3d(-1, 0.8, 3), Eigen::Vector3d(0, 0, 0.5)}) {
+  for (const Eigen::Vector3d& p :
+       {Eigen::Vector3d(0.5, -0.3, 2), Eigen::Vector3d(-1, 0.8, 3), Eigen::Vector3d(0, 0, 0.5)}) {
     const double t = 1e-5;
     Vector6d step = t * shot.twist_cam;
     const Pose T_before_after = retract(Pose::Identity(), step);
     const Eigen::Vector2d moved = camera.project(T_before_after.inverse() * p) - camera.project(p);
     const Eigen::Vector2d rate = moved / t * shot.exposure_s;
-    const Eigen::Vector2f ours = motion.at(static_cast<float>(p.x() / p.z()), static_cast<float>(p.y() / p.z()), static_cast<float>(p.z()));
+    const Eigen::Vector2f ours =
+        motion.at(static_cast<float>(p.x() / p.z()), static_cast<float>(p.y() / p.z()), static_cast<float>(p.z()));
     EXPECT_LT((ours.cast<double>() - rate).norm(), 1e-3 * std::max(1.0, rate.norm()));
   }
 }

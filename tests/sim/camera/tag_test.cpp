@@ -45,12 +45,12 @@ TEST(Tags, FromEveryStartTheDetectorFindsThemWhereTheWorldFileSays) {
     for (const Pose2& start : world.starts) {
       const Pose T_world_cam = start.to_pose() * looking_along_x({0.20, 0.13, 0.40});
       const auto found = detect(renderer.render(camera, T_world_cam, {}).image);
-      EXPECT_FALSE(found.empty()) << name;
+      EXPECT_FALSE(found.empty()) << name << " from (" << start.x_m << ", " << start.y_m << ")";
       for (const PlacedTag& tag : placed_tags(*world.tag_cube)) {
         if (!found.contains(tag.id)) continue;
         for (std::size_t k = 0; k < 4; ++k) {
           const Eigen::Vector2d expected = raw.pinhole.project(T_world_cam.inverse() * tag.corners_m[k]);
-          EXPECT_LT((found.at(tag.id)[k] - expected).norm(), 0.4) << name << " tag " << tag.id << " corner " << k;
+          EXPECT_LT((found.at(tag.id)[k] - expected).norm(), 0.6) << name << " tag " << tag.id << " corner " << k;
         }
       }
     }

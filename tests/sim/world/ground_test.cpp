@@ -27,7 +27,8 @@ bool hits_densely(const Pose2& pose, const EllipseFootprint& footprint, const Bo
   const Pose T = pose.to_pose();
   for (double r = 0; r <= 1.0001; r += 0.02) {
     for (double a = 0; a < 2 * std::numbers::pi; a += 0.01) {
-      const Eigen::Vector3d p = T * Eigen::Vector3d(r * footprint.semi_long_m * std::cos(a), r * footprint.semi_short_m * std::sin(a), 0);
+      const Eigen::Vector3d p =
+          T * Eigen::Vector3d(r * footprint.semi_long_m * std::cos(a), r * footprint.semi_short_m * std::sin(a), 0);
       const Eigen::Vector2d q = Eigen::Rotation2Dd(-box.yaw_rad) * (p - box.centre_m).head<2>();
       if (std::abs(q.x()) <= 0.5 * box.size_m.x() && std::abs(q.y()) <= 0.5 * box.size_m.y()) return true;
     }

@@ -12,7 +12,8 @@ namespace {
 TEST(SimNoise, EachInputBitChangesHalfTheOutputBits) {
   for (unsigned bit = 0; bit < 32; ++bit) {
     int changed = 0;
-    for (std::uint32_t i = 0; i < 2000; ++i) changed += std::popcount(mix_bits(i * 77) ^ mix_bits((i * 77) ^ (1U << bit)));
+    for (std::uint32_t i = 0; i < 2000; ++i)
+      changed += std::popcount(mix_bits(i * 77) ^ mix_bits((i * 77) ^ (1U << bit)));
     EXPECT_NEAR(changed / 2000.0, 16, 1) << "bit " << bit;
   }
 }

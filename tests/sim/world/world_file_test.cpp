@@ -104,8 +104,8 @@ TEST(WorldFile, TheReferenceWorldsAreTheAgreedOnes) {
   EXPECT_EQ(arena.region.max_m, Eigen::Vector3d(8, 7, 2));
   EXPECT_EQ(arena.tag_cube->centre_m, Eigen::Vector3d(2.2, 3.5, 0.40));
   const World lot = load_world(kWorlds + "parking_lot.yaml");
-  EXPECT_EQ(lot.starts,
-            (std::vector<Pose2>{{1.2, 7.0, 0}, {1.2, 8.4, -0.57}, {1.2, 5.6, 0.57}, {2.6, 9.2, -1.22}, {2.6, 4.8, 1.22}}));
+  EXPECT_EQ(lot.starts, (std::vector<Pose2>{
+                            {1.2, 7.0, 0}, {1.2, 8.4, -0.57}, {1.2, 5.6, 0.57}, {2.6, 9.2, -1.22}, {2.6, 4.8, 1.22}}));
   EXPECT_EQ(lot.region.max_m, Eigen::Vector3d(21, 14, 2));
   EXPECT_EQ(lot.tag_cube->centre_m, Eigen::Vector3d(3.4, 7.0, 0.40));
   int boxes = 0;

@@ -76,7 +76,7 @@ find_package(Threads REQUIRED)
 find_package(PkgConfig REQUIRED)
 pkg_check_modules(ZSTD REQUIRED IMPORTED_TARGET libzstd)
 pkg_check_modules(LCM REQUIRED IMPORTED_TARGET lcm)
-pkg_check_modules(APRILTAG REQUIRED IMPORTED_TARGET apriltag)
+find_package(apriltag REQUIRED)
 find_package(embree 3 REQUIRED)
 find_package(assimp REQUIRED)
 

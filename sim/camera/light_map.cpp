@@ -14,7 +14,7 @@ namespace {
 using Eigen::Vector3f;
 
 constexpr int kGatherRays = 32;
-constexpr int kLampSamples = 8;
+constexpr int kLampSamples = 16;
 constexpr float kAllBounces = 1.6F;     ///< of light, over the first: 1 / (1 - mean reflectance)
 constexpr float kOffsetM = 0.01F;       ///< of ray origins above their surface
 constexpr float kAmbientReachM = 1.5F;  ///< surfaces nearer than this shut ambient light out

@@ -180,7 +180,7 @@ void wood(Tile& tile) {
 
 /// Packing paper with printed bars and lines of text, and a strip of tape.
 void carton(Tile& tile) {
-  add_fractal(tile, 8, 0.75F, 0.45F);
+  add_fractal(tile, 8, 0.75F, 0.25F);
   const int labels = tile.cells_of(0.45);
   const int pitch = tile.side / labels;
   for (int i = 0; i < labels * labels; ++i) {

@@ -6,7 +6,9 @@
 #include <cstdio>
 #include <opencv2/core.hpp>
 
+#include "common/atomic_file.h"
 #include "common/error.h"
+#include "sim/world/random_world.h"
 #include "tools/world/pictures.h"
 
 namespace {
@@ -48,6 +50,13 @@ int render(const Flags& flags) {
   return 0;
 }
 
+int draw(const Flags& flags) {
+  const std::string yaml = sim::to_yaml(sim::make_random_world(static_cast<std::uint32_t>(flags.seed)));
+  atomic_write(flags.out, "# Drawn by ./arpent world random --seed " + std::to_string(flags.seed) + "\n" + yaml);
+  std::printf("%s\n", flags.out.c_str());
+  return 0;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -64,10 +73,15 @@ int main(int argc, char** argv) {
   rendering->add_option("--rig", flags.rig, "the robot's cameras")->capture_default_str();
   rendering->add_option("--out", flags.out, "folder for left.png, right.png, depth.png, top.png; or one PNG")
       ->required();
+  CLI::App* drawing = app.add_subcommand("random", "draw a world");
+  drawing->add_option("--seed", flags.seed, "the same seed draws the same world")
+      ->required()
+      ->check(CLI::NonNegativeNumber);
+  drawing->add_option("--out", flags.out, "world file to write")->required();
   try {
     app.parse(argc, argv);
     cv::setNumThreads(1);
-    return checking->parsed() ? check(flags) : render(flags);
+    return checking->parsed() ? check(flags) : rendering->parsed() ? render(flags) : draw(flags);
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : 2;
   } catch (const InputError& error) {

@@ -9,7 +9,8 @@ namespace arpent::base {
 
 OpenBase::OpenBase(const RobotConfig& robot, bool dry_run, Bus& bus, Clock& clock) {
   const DriverParams params{{.limits = robot.limits}, robot.base.geometry, dry_run};
-  can_port_ = can::open_can_port(robot.base.port, "driver", bus, clock);
+  can_port_ = can::open_can_port(robot.base.port, "driver", bus, clock,
+                                 {agilex::kSystemStateId, agilex::kMotionStateId, agilex::kOdometryId});
   driver_ = std::make_unique<AgilexDriver>(params, *can_port_);
 }
 

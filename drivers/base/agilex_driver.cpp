@@ -49,12 +49,12 @@ void AgilexDriver::watch_port(Faults& faults) {
     const std::string why = port_.fault();
     faults.push_back(std::string("the CAN port is ") + can::describe(state) + (why.empty() ? "" : ": " + why));
   }
-  if (state != port_state_ && state > can::PortState::kPassive) gate_.stop();
+  if (state != port_state_ && state > can::PortState::kPassive) lose_port();
   port_state_ = state;
   const std::int64_t restarts = port_.counters().restarts;
   if (restarts != restarts_) {
     faults.emplace_back("the CAN port was restarted");
-    gate_.stop();
+    lose_port();
   }
   restarts_ = restarts;
 }

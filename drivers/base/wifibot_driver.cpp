@@ -85,7 +85,7 @@ void WifibotDriver::watch_port(Faults& faults) {
   const bool open = port_.open();
   if (!open && was_open_) {
     faults.push_back("the port of the base is not there: " + port_.fault());
-    gate_.stop();
+    lose_port();
   }
   if (open && !was_open_) faults.emplace_back("the port of the base is open");
   was_open_ = open;

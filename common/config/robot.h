@@ -27,10 +27,11 @@ struct BaseGeometry {
   }
 };
 
-/// Units of a Wifibot board: they vary twelvefold between robots.
-struct WifibotUnits {
+/// A Wifibot board: its units vary twelvefold between robots.
+struct WifibotConfig {
   double odometer_ticks_per_m = 5312;
   double command_ticks_per_mps = 265.6;  ///< the board takes ticks per 50 ms
+  bool wake_by_pid = false;
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visitor) {
@@ -38,6 +39,10 @@ struct WifibotUnits {
                   config::greater_than(0.0));
     visitor.field("command_ticks_per_mps", self.command_ticks_per_mps, "units of a speed command for 1 m/s",
                   config::greater_than(0.0));
+    visitor.field(
+        "wake_by_pid", self.wake_by_pid,
+        "a board that is silent gets a PID frame (0.80 0.45 0.00): on a Raspberry Pi's header it sends nothing "
+        "before one");
   }
 };
 
@@ -46,7 +51,7 @@ struct BaseConfig {
   std::string protocol = "agilex_v2";
   std::string port = "can0";
   BaseGeometry geometry = {};
-  WifibotUnits wifibot = {};
+  WifibotConfig wifibot = {};
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visitor) {
@@ -56,7 +61,7 @@ struct BaseConfig {
                   "udp:HOST[:PORT]",
                   config::required_text());
     BaseGeometry::describe(self.geometry, visitor);
-    visitor.group("wifibot", self.wifibot, "units of a Wifibot board");
+    visitor.group("wifibot", self.wifibot, "a Wifibot board");
   }
 };
 

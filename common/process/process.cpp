@@ -19,6 +19,7 @@
 #include "common/channels.h"
 #include "common/error.h"
 #include "common/memory.h"
+#include "common/process/real_time.h"
 
 namespace arpent::detail {
 namespace {
@@ -83,9 +84,12 @@ health_t make_health(const std::string& name, Health& health, Time now, Time sta
 
 void run(const ProcessType& type, const Flags& flags) {
   keep_freed_memory();
+  // Before the bus: its threads inherit the schedule.
+  const auto not_real_time = type.real_time ? enter_real_time() : std::nullopt;
   LcmBus bus(flags.lcm_url);
   const std::function<void()> finish = type.start(bus, bus);
   const Time start = bus.now();
+  if (not_real_time) bus.health().warn(*not_real_time);
   const auto send_health = [&] {
     publish(bus, channels::kHealth, make_health(type.name, bus.health(), bus.now(), start));
   };
@@ -113,6 +117,7 @@ int run_process(const ProcessType& type, int argc, char** argv) {
   app.add_option("--run-for-s", flags.run_for_s, "end by itself after so many seconds [s]")->check(CLI::PositiveNumber);
   app.add_flag("--print-config", flags.print_config, "print every effective value with its origin, and end");
   if (type.can_dry_run) app.add_flag("--dry-run", flags.dry_run, "move nothing: publish status only");
+  if (type.has_dry_run) app.add_flag("--dry-run", flags.dry_run, "move nothing: listen and report only");
   app.set_version_flag("--version", ARPENT_VERSION);
   try {
     app.parse(argc, argv);

@@ -4,7 +4,7 @@
 // The skeleton of every process: flags, configuration, the live bus, shut-down by signal, one health message a second.
 // A process' main is `return run_process<XxxProcess>(argc, argv);`. The process class needs `Config` (self-describing,
 // config/fields.h), `kName`, `kHelp`, a constructor from (const Config&, Bus&, Clock&), and `finish()` for an orderly
-// end.
+// end. With `kRealTime` it runs under SCHED_FIFO if it may; a `dry_run` in its Config gives it the flag --dry-run.
 #pragma once
 
 #include <functional>
@@ -24,6 +24,8 @@ struct ProcessType {
   std::string name;
   std::string help;
   bool can_dry_run = false;  ///< its config has `dry_run`
+  bool real_time = false;
+  bool has_dry_run = false;
   std::function<config::Origins(const config::Sources&)> load;
   std::function<std::string(const config::Origins&)> print;
   /// Constructs the process on the bus; the returned function is its finish().
@@ -44,6 +46,8 @@ int run_process(int argc, char** argv) {
   type.name = Process::kName;
   type.help = Process::kHelp;
   type.can_dry_run = requires {
+  if constexpr (requires { Process::kRealTime; }) type.real_time = Process::kRealTime;
+  type.has_dry_run = requires {
     config.dry_run;
   };
   type.load = [&config](const config::Sources& sources) { return config::read(config, sources); };

@@ -45,13 +45,16 @@ void AgilexDriver::stop(Time /*now*/) {
 
 void AgilexDriver::watch_port(Faults& faults) {
   const can::PortState state = port_.state();
-  if (state != port_state_) faults.push_back(std::string("the CAN port is ") + can::describe(state));
-  if (state != port_state_ && state > can::PortState::kPassive) gate_.stop();
+  if (state != port_state_) {
+    const std::string why = port_.fault();
+    faults.push_back(std::string("the CAN port is ") + can::describe(state) + (why.empty() ? "" : ": " + why));
+  }
+  if (state != port_state_ && state > can::PortState::kPassive) lose_port();
   port_state_ = state;
   const std::int64_t restarts = port_.counters().restarts;
   if (restarts != restarts_) {
     faults.emplace_back("the CAN port was restarted");
-    gate_.stop();
+    lose_port();
   }
   restarts_ = restarts;
 }

@@ -57,6 +57,10 @@ void BaseDriver::take_sign_of_life(Time now) {
   ever_heard_ = true;
 }
 
+void BaseDriver::lose_port() {
+  if (gate_.state() == GateState::kArmed) gate_.stop();
+}
+
 void BaseDriver::judge_silence(Time now, std::vector<std::string>& faults) {
   const bool heard = ever_heard_ && now - heard_at_ <= kSilence;
   if (status_.heard && !heard) {

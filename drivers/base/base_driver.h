@@ -49,9 +49,9 @@ class BaseDriver {
   [[nodiscard]] CommandGate& gate() { return gate_; }
   [[nodiscard]] const BaseStatus& status() const { return status_; }
 
-  /// One cycle: reads all that has come, sends one motion command, zero included. A port that is lost latches the
-  /// emergency stop, a base that falls silent is disarmed: when it comes back it does not start off by itself. Returns
-  /// what is to be reported, new faults only.
+  /// One cycle: reads all that has come, sends one motion command, zero included. A port that is lost while armed
+  /// latches the emergency stop, a base that falls silent is disarmed: when it comes back it does not start off by
+  /// itself. Returns what is to be reported, new faults only.
   virtual std::vector<std::string> step(Time now) = 0;
   /// Latches the emergency stop and sends zero at once, without waiting for the next cycle.
   virtual void stop(Time now) = 0;
@@ -65,6 +65,8 @@ class BaseDriver {
   void take_odometers(std::int32_t left, std::int32_t right, Time stamp, std::vector<std::string>& faults);
   /// A report has come that proves the base alive.
   void take_sign_of_life(Time now);
+  /// The port is lost, or was meanwhile.
+  void lose_port();
   /// Judges silence; call once a cycle after all has been read.
   void judge_silence(Time now, std::vector<std::string>& faults);
 

@@ -16,8 +16,9 @@ constexpr double kLeastIntervalS = 0.02;
 constexpr double kNoticeableMps = 0.1;
 /// A wheel moves by less than this share of its command: stuck.
 constexpr double kStuckShare = 0.1;
-/// Lag and slip are allowed for so long.
-constexpr Duration kPatience{700000};
+/// Over so long ways are compared: lag is a small part of it, and single counts do not matter.
+constexpr double kWindowS = 0.5;
+constexpr double kRounding = 1e-9;
 
 }  // namespace
 
@@ -36,18 +37,30 @@ OdometerFault Odometer::update(std::int32_t count, double commanded_mps, Time no
     return std::abs(unit_m_ * count) <= most_m ? OdometerFault::kReset : OdometerFault::kJump;
   }
   way_m_ += moved_m;
-  return compare_with_command(moved_m / interval_s, commanded_mps, now);
+  return compare_with_command(moved_m, interval_s, commanded_mps);
 }
 
-OdometerFault Odometer::compare_with_command(double speed_mps, double commanded_mps, Time now) {
-  const double along = std::copysign(1.0, commanded_mps) * speed_mps;
-  if (std::abs(commanded_mps) < kNoticeableMps || along > kStuckShare * std::abs(commanded_mps)) {
-    disagrees_since_.reset();
+OdometerFault Odometer::compare_with_command(double moved_m, double interval_s, double commanded_mps) {
+  const double told_m = commanded_mps * interval_s;
+  if (std::abs(commanded_mps) < kNoticeableMps || told_m * sum_.told_m < 0) {
+    window_.clear();
+    sum_ = {};
     return OdometerFault::kNone;
   }
-  if (!disagrees_since_) disagrees_since_ = now;
-  if (now - *disagrees_since_ < kPatience) return OdometerFault::kNone;
-  return along < -kStuckShare * std::abs(commanded_mps) ? OdometerFault::kReversed : OdometerFault::kStuck;
+  const auto add = [this](const Step& step, double sign) {
+    sum_.interval_s += sign * step.interval_s;
+    sum_.told_m += sign * step.told_m;
+    sum_.moved_m += sign * step.moved_m;
+  };
+  window_.push_back({interval_s, told_m, moved_m});
+  add(window_.back(), 1);
+  while (sum_.interval_s - window_.front().interval_s >= kWindowS - kRounding) {
+    add(window_.front(), -1);
+    window_.pop_front();
+  }
+  const double share = sum_.moved_m / sum_.told_m;
+  if (sum_.interval_s < kWindowS - kRounding || share > kStuckShare) return OdometerFault::kNone;
+  return share < -kStuckShare ? OdometerFault::kReversed : OdometerFault::kStuck;
 }
 
 }  // namespace arpent::base

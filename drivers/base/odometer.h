@@ -6,6 +6,7 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <optional>
 
 #include "common/time.h"
@@ -31,14 +32,20 @@ class Odometer {
   [[nodiscard]] double way_m() const { return way_m_; }
 
  private:
-  [[nodiscard]] OdometerFault compare_with_command(double speed_mps, double commanded_mps, Time now);
+  [[nodiscard]] OdometerFault compare_with_command(double moved_m, double interval_s, double commanded_mps);
 
   double unit_m_;
   double max_speed_mps_;
   double way_m_ = 0;
   std::optional<std::int32_t> last_;
   Time last_at_{};
-  std::optional<Time> disagrees_since_;
+
+  /// The last half second in which this side was told to move one way.
+  struct Step {
+    double interval_s, told_m, moved_m;
+  };
+  std::deque<Step> window_;
+  Step sum_{};
 };
 
 }  // namespace arpent::base

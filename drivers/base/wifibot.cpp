@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <optional>
 
 namespace arpent::base::wifibot {
 namespace {
@@ -84,6 +85,30 @@ std::size_t frame_size(std::span<const std::uint8_t> b) {
   return fits ? kStreamSize : 0;
 }
 
+/// What these bytes begin with: a report, a byte to skip (no report), or something that needs more bytes (0).
+struct Taken {
+  std::size_t bytes = 0;
+  std::optional<Report> report;
+};
+
+Taken take(std::span<const std::uint8_t> b) {
+  const std::size_t size = frame_size(b);
+  if (size > b.size()) return {};
+  if (size == 0 || !sealed(b.first(size))) return {1, std::nullopt};
+  if (size == kClassicSize) return {size, read_telemetry(b)};
+  return {size, read_stream(b)};
+}
+
+/// Telemetry without its sync byte.
+Taken take_bare(std::span<const std::uint8_t> b) {
+  constexpr std::size_t kBareSize = kClassicSize - 1;
+  if (b.size() < kBareSize) return {};
+  std::array<std::uint8_t, kClassicSize> frame{kClassicSync};
+  std::copy_n(b.begin(), kBareSize, frame.begin() + 1);
+  if (!sealed(frame)) return {1, std::nullopt};
+  return {kBareSize, read_telemetry(frame)};
+}
+
 }  // namespace
 
 std::uint16_t crc16(std::span<const std::uint8_t> bytes) {
@@ -149,24 +174,27 @@ std::array<std::uint8_t, 22> encode(const Telemetry& t) {
   return b;
 }
 
+std::array<std::uint8_t, 27> encode(const Stream& s) {
+  std::array<std::uint8_t, kStreamSize> b{kStreamSync, kStreamBytes, kStreamCommand};
+  for (std::size_t i = 0; i < 4; ++i) put32(b, 3 + 4 * i, s.odometers_ticks[i]);
+  b[19] = static_cast<std::uint8_t>(std::lround(s.battery_v * 10));
+  seal(b);
+  return b;
+}
+
 std::vector<Report> Parser::feed(std::span<const std::uint8_t> bytes) {
   buffer_.insert(buffer_.end(), bytes.begin(), bytes.end());
   std::vector<Report> reports;
   std::span<const std::uint8_t> rest(buffer_);
   while (!rest.empty()) {
-    const std::size_t size = frame_size(rest);
-    if (size > rest.size()) break;  // wait for more
-    if (size == 0 || !sealed(rest.first(size))) {
-      rest = rest.subspan(1);
-      ++skipped_;
-      continue;
-    }
-    if (size == kClassicSize) {
-      reports.emplace_back(read_telemetry(rest));
+    const Taken taken = bare_ ? take_bare(rest) : take(rest);
+    if (taken.bytes == 0) break;  // wait for more
+    if (taken.report) {
+      reports.push_back(*taken.report);
     } else {
-      reports.emplace_back(read_stream(rest));
+      ++skipped_;
     }
-    rest = rest.subspan(size);
+    rest = rest.subspan(taken.bytes);
   }
   buffer_.assign(rest.begin(), rest.end());
   return reports;

@@ -67,16 +67,22 @@ struct Stream {
 
 using Report = std::variant<Telemetry, Stream>;
 
-[[nodiscard]] std::array<std::uint8_t, 22> encode(const Telemetry& telemetry);  ///< for stand-ins
+/// The board's own side, for stand-ins.
+[[nodiscard]] std::array<std::uint8_t, 22> encode(const Telemetry& telemetry);
+[[nodiscard]] std::array<std::uint8_t, 27> encode(const Stream& stream);
 
 /// Finds frames in a stream of bytes in any pieces. Bytes that belong to none are skipped and counted; a frame with a
 /// wrong checksum costs no good one behind it.
 class Parser {
  public:
+  /// Over TCP and UDP the board's server leaves out the sync byte of classic telemetry: `bare`.
+  explicit Parser(bool bare = false) : bare_(bare) {}
+
   [[nodiscard]] std::vector<Report> feed(std::span<const std::uint8_t> bytes);
   [[nodiscard]] std::int64_t skipped_bytes() const { return skipped_; }
 
  private:
+  bool bare_;
   std::vector<std::uint8_t> buffer_;
   std::int64_t skipped_ = 0;
 };

@@ -42,6 +42,8 @@ class CanPort {
   virtual void flush() {}
   [[nodiscard]] virtual PortState state() const = 0;
   [[nodiscard]] virtual PortCounters counters() const = 0;
+  /// Why it is not there, for people; empty if it is or if there is no more to say than its state.
+  [[nodiscard]] virtual std::string fault() const { return {}; }
 };
 
 }  // namespace arpent::can

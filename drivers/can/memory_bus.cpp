@@ -28,7 +28,7 @@ struct MemoryBus::State {
   std::vector<std::shared_ptr<Place>> places;
   struct InFlight {
     Time arrives;
-    const Place* sender;
+    std::shared_ptr<const Place> sender;
     CanFrame frame;
   };
   std::deque<InFlight> in_flight;
@@ -40,6 +40,9 @@ class MemoryPort : public CanPort {
  public:
   MemoryPort(std::shared_ptr<MemoryBus::State> bus, std::shared_ptr<Place> place)
       : bus_(std::move(bus)), place_(std::move(place)) {}
+  ~MemoryPort() override { std::erase(bus_->places, place_); }
+  MemoryPort(const MemoryPort&) = delete;
+  MemoryPort& operator=(const MemoryPort&) = delete;
 
   bool send(const CanFrame& frame) override {
     if (place_->state > PortState::kPassive || frame.size > kMaxBytes) {
@@ -47,7 +50,7 @@ class MemoryPort : public CanPort {
       return false;
     }
     const bool lost = std::uniform_real_distribution<double>()(bus_->random) < bus_->faults.loss;
-    if (!lost) bus_->in_flight.push_back({bus_->now + bus_->faults.delay, place_.get(), frame});
+    if (!lost) bus_->in_flight.push_back({bus_->now + bus_->faults.delay, place_, frame});
     return true;
   }
   std::optional<LoggedFrame> receive() override {
@@ -86,7 +89,7 @@ void MemoryBus::advance(Time now) {
   while (!state_->in_flight.empty() && state_->in_flight.front().arrives <= now) {
     const State::InFlight& f = state_->in_flight.front();
     for (const auto& place : state_->places) {
-      if (place.get() == f.sender || place->state > PortState::kPassive) continue;
+      if (place == f.sender || place->state > PortState::kPassive) continue;
       if (place->arrived.size() < kReceiveQueue) {
         place->arrived.push_back({f.arrives, "mem", f.frame});
       } else {

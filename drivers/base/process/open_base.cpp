@@ -3,13 +3,20 @@
 #include "drivers/base/process/open_base.h"
 
 #include "drivers/base/agilex_driver.h"
+#include "drivers/base/wifibot_driver.h"
 #include "drivers/can/process/open_can_port.h"
 
 namespace arpent::base {
 
 OpenBase::OpenBase(const RobotConfig& robot, bool dry_run, Bus& bus, Clock& clock) {
   const DriverParams params{{.limits = robot.limits}, robot.base.geometry, dry_run};
-  can_port_ = can::open_can_port(robot.base.port, "driver", bus, clock);
+  if (robot.base.protocol == "wifibot") {
+    byte_port_ = open_byte_port(robot.base.port, [&clock] { return clock.now(); });
+    driver_ = std::make_unique<WifibotDriver>(params, robot.base.wifibot, *byte_port_);
+    return;
+  }
+  can_port_ = can::open_can_port(robot.base.port, "driver", bus, clock,
+                                 {agilex::kSystemStateId, agilex::kMotionStateId, agilex::kOdometryId});
   driver_ = std::make_unique<AgilexDriver>(params, *can_port_);
 }
 

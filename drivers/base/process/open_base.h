@@ -9,6 +9,7 @@
 #include "common/bus/bus.h"
 #include "common/config/robot.h"
 #include "drivers/base/base_driver.h"
+#include "drivers/base/byte_port.h"
 #include "drivers/can/can_port.h"
 
 namespace arpent::base {
@@ -22,6 +23,7 @@ class OpenBase {
 
  private:
   std::unique_ptr<can::CanPort> can_port_;
+  std::unique_ptr<BytePort> byte_port_;
   std::unique_ptr<BaseDriver> driver_;
 };
 

@@ -77,6 +77,12 @@ TEST_F(AgilexDriverTest, APulledPlugStopsTheChassisByItselfAndIsReported) {
   EXPECT_FALSE(driver_.status().heard);
   EXPECT_GT(driver_.status().refused_sends, 0);
   EXPECT_THAT(faults_, Contains(HasSubstr("silent")));
+  EXPECT_THAT(faults_, Contains(HasSubstr("not there")));
+  EXPECT_EQ(driver_.gate().state(), GateState::kStopped);
+  bus_.set_state("driver", can::PortState::kActive);
+  run(50, Twist2{0.5, 0});
+  EXPECT_LT(std::abs(chassis_.twist().speed_mps), 0.01) << "back on the bus it does not start off by itself";
+  EXPECT_TRUE(driver_.status().heard);
 }
 
 TEST_F(AgilexDriverTest, TheButtonLatchesAndTheRemoteControlIsReported) {
@@ -105,6 +111,50 @@ TEST_F(AgilexDriverTest, ARestartedChassisIsTakenOverAgainAndItsWayGoesOn) {
   EXPECT_GT(driver_.status().left_m, before);
   EXPECT_GT(chassis_.twist().speed_mps, 0.3);
   EXPECT_THAT(faults_, Contains(HasSubstr("set to zero")));
+}
+
+TEST_F(AgilexDriverTest, BusOffStopsAndItsEndIsReported) {
+  arm();
+  run(50, Twist2{0.5, 0});
+  bus_.set_state("driver", can::PortState::kBusOff);
+  run(2, Twist2{0.5, 0});
+  EXPECT_EQ(driver_.gate().state(), GateState::kStopped);
+  EXPECT_THAT(faults_, Contains(HasSubstr("bus-off")));
+  bus_.set_state("driver", can::PortState::kActive);
+  run(2, Twist2{0.5, 0});
+  EXPECT_THAT(faults_, Contains(HasSubstr("restarted")));
+  EXPECT_EQ(driver_.gate().state(), GateState::kStopped);
+}
+
+TEST_F(AgilexDriverTest, APortThatIsNotThereAtTheStartIsOnlyReported) {
+  bus_.set_state("driver", can::PortState::kGone);
+  run(10);
+  EXPECT_THAT(faults_, Contains(HasSubstr("not there")));
+  bus_.set_state("driver", can::PortState::kActive);
+  arm();
+  run(50, Twist2{0.5, 0});
+  EXPECT_GT(chassis_.twist().speed_mps, 0.4);
+}
+
+TEST_F(AgilexDriverTest, AChassisThatRepeatsItselfIsNotAlive) {
+  const auto echo = bus_.open("echo");
+  bus_.set_state("chassis", can::PortState::kGone);
+  for (int i = 0; i < 50; ++i) {
+    EXPECT_TRUE(echo->send(*can::from_text("211#000100FA00000007")));
+    run(1);
+  }
+  EXPECT_FALSE(driver_.status().heard);
+}
+
+TEST_F(AgilexDriverTest, EncoderFaultsAreReportedWithinHalfASecondAndACycle) {
+  arm();
+  run(50, Twist2{0.5, 0});
+  ASSERT_TRUE(faults_.empty());
+  chassis_.motors().set_encoder_fault(Side::kLeft, EncoderFault::kStuck);
+  chassis_.motors().set_encoder_fault(Side::kRight, EncoderFault::kReversed);
+  run(27, Twist2{0.5, 0});
+  EXPECT_THAT(faults_, Contains(HasSubstr("left odometer does not move")));
+  EXPECT_THAT(faults_, Contains(HasSubstr("right odometer moves against")));
 }
 
 TEST_F(AgilexDriverTest, GarbledFramesAreCountedAndMoveNothing) {

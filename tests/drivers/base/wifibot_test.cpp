@@ -52,6 +52,22 @@ TEST(Wifibot, SpeedsKeepTheirSignAndTheirLimit) {
   EXPECT_EQ(full[5] | full[6] << 8, 65500);
 }
 
+TEST(Wifibot, TelemetryWithoutItsSyncByteIsFoundAmongRubbish) {
+  Parser parser(true);
+  Bytes stream = hex("01 02 FF 03");
+  for (int i = 0; i < 3; ++i) stream.insert(stream.end(), kTelemetry.begin() + 1, kTelemetry.end());
+  stream[4 + 21 + 5] ^= 1;  // spoils the second
+  int found = 0;
+  for (const std::uint8_t byte : stream) {
+    for (const Report& report : parser.feed(std::span(&byte, 1))) {
+      EXPECT_EQ(std::get<Telemetry>(report), kMeaning);
+      ++found;
+    }
+  }
+  EXPECT_EQ(found, 2);
+  EXPECT_EQ(parser.skipped_bytes(), 4 + 21);
+}
+
 TEST(Wifibot, TelemetryIsReadAndWritten) {
   Parser parser;
   const auto reports = parser.feed(kTelemetry);

@@ -1,0 +1,78 @@
+#!/usr/bin/env bash
+# SPDX-FileCopyrightText: The arpent authors
+# SPDX-License-Identifier: BSD-3-Clause
+#
+# The SocketCAN port, and can-utils against the driver, on a real virtual CAN interface: in user-mode Linux, where this
+# machine's own kernel has no CAN. Installs the packages of group vcan. Usage: tests/drivers/can/vcan_uml.sh [BUILD].
+set -euo pipefail
+root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../../.." && pwd)
+build=${1:-$root/build/release}
+
+inside() {
+  export PATH=/usr/sbin:/usr/bin:/sbin:/bin
+  mount -t proc none /proc && mount -t sysfs none /sys && mount -t tmpfs none /tmp && mount -t tmpfs none /run
+  local modules=/usr/lib/uml/modules/$(uname -r)/kernel module
+  for module in net/can/can net/can/can-raw drivers/net/can/dev/can-dev drivers/net/can/vcan; do insmod "$modules/$module.ko"; done
+  ip link set lo up && ip route add 224.0.0.0/4 dev lo
+  echo "== kernel $(uname -r)"
+  echo "== socketcan_test"
+  local status=0
+  "$build/tests/socketcan_test" --gtest_brief=0 | grep -E '^\[ +(OK|FAILED|SKIPPED|PASSED) ' || status=1
+  "$build/tests/socketcan_test" >/dev/null || status=1
+  drive_with_can_utils || status=1
+  echo "exit $status"
+}
+
+# The chassis here is a person with cansend; what the driver says is what candump sees.
+drive_with_can_utils() {
+  echo "== can-utils against base_driver_process"
+  ip link add dev vcan0 type vcan && ip link set vcan0 up
+  local bin=$build/bin url='udpm://239.255.76.67:7667?ttl=0'
+  candump -L vcan0 >/tmp/candump &
+  local candump=$!
+  "$bin/base_driver_process" --set "robot=$root/config/robots/wifibot.yaml" --set port=vcan0 --lcm-url "$url" --run-for-s 60 2>/tmp/driver &
+  local driver=$! count=0 i
+  alive() { for i in 1 2 3 4 5; do cansend vcan0 "211#000100FA0000$(printf '%04X' $((count++ % 256)))"; sleep 0.1; done; }
+  sleep 0.5
+  cansend vcan0 211#00              # wrong size: counted, harmless
+  cansend vcan0 311#0000000000000000
+  alive
+  ( alive & "$bin/arpent-base" arm --lcm-url "$url"; wait )
+  cansend vcan0 311#0000006400000064 # 100 mm on both sides
+  alive
+  "$bin/arpent-base" status --lcm-url "$url"
+  "$bin/arpent-base" stop --lcm-url "$url"
+  ip link set vcan0 down; sleep 0.6; ip link set vcan0 up; sleep 0.6
+  alive
+  "$bin/arpent-base" status --lcm-url "$url"
+  "$bin/arpent-base" release --lcm-url "$url"
+  kill $driver && wait $driver || true
+  kill $candump || true
+  cat /tmp/driver
+  echo "motion commands of zero in candump's log: $(grep -c 'vcan0 111#0000000000000000' /tmp/candump)"
+  ! grep 'vcan0 111#' /tmp/candump | grep -qv '111#0000000000000000'
+}
+
+if [ "${1:-}" = --inside ]; then
+  build=$2
+  inside 2>&1 | tee "$3" >/dev/console || true
+  sync
+  poweroff -f
+fi
+
+ARPENT_YES=1
+source "$root/tools/entrance/entrance.sh"
+ensure_packages vcan
+cmake --build "$build" --target socketcan_test base_driver_process arpent-base >&2
+scratch=$(mktemp -d)
+trap 'rm -rf "$scratch"' EXIT
+cat >"$scratch/init.sh" <<INIT
+#!/bin/bash
+mount -t tmpfs none /mnt 2>/dev/null
+mount -t hostfs -o "$scratch" none /mnt
+exec bash "$root/tests/drivers/can/vcan_uml.sh" --inside "$build" /mnt/output
+INIT
+chmod +x "$scratch/init.sh"
+timeout 120 linux.uml mem=512M root=/dev/root rootfstype=hostfs ro "init=$scratch/init.sh" con=null con0=null,fd:1 quiet >"$scratch/console" 2>&1 || true
+cat "$scratch/output" 2>/dev/null || { cat "$scratch/console"; echo "user-mode Linux did not run"; exit 1; }
+grep -qx 'exit 0' "$scratch/output"

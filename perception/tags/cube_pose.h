@@ -36,8 +36,8 @@ struct CubePose {
   Matrix6d covariance = Matrix6d::Zero();
   /// About 1 if the sides fit as well as they say; infinite if there is no pose at all.
   double reduced_chi2 = std::numeric_limits<double>::infinity();
-  std::vector<int> used;    ///< ids of the tags that the pose is made from
-  std::string reason;       ///< why the pose cannot be used; empty if it can
+  std::vector<int> used;  ///< ids of the tags that the pose is made from
+  std::string reason;     ///< why the pose cannot be used; empty if it can
 
   [[nodiscard]] bool usable() const { return reason.empty(); }
 };

@@ -7,7 +7,8 @@
 //
 // What averaging is worth: the noise of the pixels differs from pair to pair, but how an edge falls on the pixels, the
 // cube's own errors and the calibration are the same for a robot at rest. The average of n views is therefore given
-// the covariance of one, times (shared + (1 - shared) / n); a robot that moves between the views does better than that.
+// the covariance of one, times (shared + (1 - shared) / n) (bench `tags` measures 0.4 on pictures without such errors
+// of cube and calibration); a robot that moves between the views does better than that.
 #pragma once
 
 #include <cstdint>
@@ -24,7 +25,7 @@ namespace arpent::tags {
 struct AlignmentParams {
   int views = 5;
   int max_views = 20;
-  double shared = 0.3;
+  double shared = 0.5;
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visitor) {

@@ -131,20 +131,21 @@ std::optional<Solution> refine(const Problem& problem, const Pose& start) {
 /// The two poses of the body that one square in one image allows.
 std::vector<Pose> start_poses(const Problem& problem, const TagView& view) {
   const double half_m = 0.5 * problem.cube.tag_m();
-  // OpenCV's order for a square: top left, top right, bottom right, bottom left; x right, y up, z to the viewer.
+  // Top left, top right, bottom right, bottom left with x right, y down, z into the face: near the camera's own axes,
+  // since OpenCV 4.6 makes wrong vectors of the rotations by exactly half a turn that a level camera has otherwise.
   const std::vector<cv::Point3d> square{
-      {-half_m, half_m, 0}, {half_m, half_m, 0}, {half_m, -half_m, 0}, {-half_m, -half_m, 0}};
+      {-half_m, -half_m, 0}, {half_m, -half_m, 0}, {half_m, half_m, 0}, {-half_m, half_m, 0}};
   std::vector<cv::Point2d> pixels;
   for (std::size_t k = 4; k-- > 0;) pixels.emplace_back(view.outline.corners_px[k].x(), view.outline.corners_px[k].y());
   const PinholeCamera& c = problem.stereo.camera;
   const cv::Matx33d K(c.fx_px, 0, c.cx_px, 0, c.fy_px, c.cy_px, 0, 0, 1);
   std::vector<cv::Mat> rotations, translations;
-  cv::solvePnPGeneric(square, pixels, K, cv::noArray(), rotations, translations, false, cv::SOLVEPNP_IPPE_SQUARE);
+  cv::solvePnPGeneric(square, pixels, K, cv::noArray(), rotations, translations, false, cv::SOLVEPNP_IPPE);
   const TagCorners& corners = *problem.cube.find_corners(view.id);
   Pose T_world_tag = Pose::Identity();
   T_world_tag.translation() = 0.25 * (corners[0] + corners[1] + corners[2] + corners[3]);
   T_world_tag.linear().col(0) = (corners[1] - corners[0]).normalized();
-  T_world_tag.linear().col(1) = (corners[3] - corners[0]).normalized();
+  T_world_tag.linear().col(1) = (corners[0] - corners[3]).normalized();
   T_world_tag.linear().col(2) = T_world_tag.linear().col(0).cross(T_world_tag.linear().col(1));
   std::vector<Pose> poses;
   for (std::size_t i = 0; i < rotations.size(); ++i) {
@@ -221,16 +222,16 @@ CubePose solve_cube_pose(const TagCube& cube, const RectifiedStereo& stereo, con
   }
   CubePose whole = solve({cube, stereo, T_body_cam, views});
   if (whole.usable() || whole.used.size() < 2) return whole;
-  // One tag may be wrong; if more than one choice of it makes the rest fit, nobody knows which.
-  std::vector<CubePose> parts;
+  // One tag may be wrong; if more than one choice of it makes the rest fit, if only ambiguously, nobody knows which.
+  std::vector<CubePose> fitting;
   for (const int id : whole.used) {
     const std::vector<TagView> rest = without(views, id);
     if (!has_stereo(rest)) continue;
     const CubePose part = solve({cube, stereo, T_body_cam, rest});
-    if (part.usable()) parts.push_back(part);
+    if (part.reduced_chi2 <= kMaxReducedChi2) fitting.push_back(part);
   }
-  if (parts.size() == 1) return parts.front();
-  if (parts.size() > 1) whole.reason = "the tags contradict each other";
+  if (fitting.size() == 1) return fitting.front();
+  if (fitting.size() > 1) whole.reason = "the tags contradict each other";
   return whole;
 }
 

@@ -11,6 +11,7 @@
 // Averaging of views at rest halves only what the pixels' noise makes; see alignment.h.
 #pragma once
 
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -33,9 +34,10 @@ struct CubePose {
   /// Of the tangent of retract() at the pose: translation [m], rotation [rad] in body axes. Inflated where the sides
   /// fit worse than they say.
   Matrix6d covariance = Matrix6d::Zero();
-  double reduced_chi2 = 0;  ///< about 1 if the sides fit as well as they say
-  std::vector<int> used;    ///< ids of the tags that the pose is made from
-  std::string reason;       ///< why the pose cannot be used; empty if it can
+  /// About 1 if the sides fit as well as they say; infinite if there is no pose at all.
+  double reduced_chi2 = std::numeric_limits<double>::infinity();
+  std::vector<int> used;  ///< ids of the tags that the pose is made from
+  std::string reason;     ///< why the pose cannot be used; empty if it can
 
   [[nodiscard]] bool usable() const { return reason.empty(); }
 };

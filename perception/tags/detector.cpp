@@ -52,6 +52,9 @@ struct TagDetector::Detector {
 
   std::vector<TagDetection> run(const cv::Mat1b& image, const cv::Point& origin, double decimate) const {
     library->quad_decimate = static_cast<float>(decimate);
+    // The library's own refinement repairs what decimation costs; at full resolution it only loses tags (45 instead of
+    // 47 on its public photos).
+    library->refine_edges = decimate > 1;
     image_u8_t view{image.cols, image.rows, static_cast<int>(image.step), image.data};
     const std::unique_ptr<zarray_t, DetectionsDeleter> found(apriltag_detector_detect(library.get(), &view));
     std::vector<TagDetection> tags;

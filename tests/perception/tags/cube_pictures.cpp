@@ -20,7 +20,6 @@ constexpr int kSubPixels = 8;
 constexpr int kCells = 10;  // of a tag with its white rim
 constexpr double kBlack = 18;
 constexpr double kWhite = 205;
-constexpr double kCard = 110;
 
 /// The tags' cells, row 0 on top.
 std::array<cv::Mat1b, 4> make_patterns(const std::vector<double>& ids) {
@@ -67,7 +66,7 @@ struct Painter {
     const double x = right_m / options.true_tag_m + 0.5;  // 0 to 1 across the black square
     const double y = up_m / options.true_tag_m + 0.5;
     if (x > options.card_left && x < options.card_right && y > options.card_bottom && y < options.card_top)
-      return kCard;
+      return options.card_grey;
     const int column = static_cast<int>(std::floor(x * (kCells - 2))) + 1;
     const int row = kCells - 2 - static_cast<int>(std::floor(y * (kCells - 2)));
     if (column < 0 || column >= kCells || row < 0 || row >= kCells) return kWhite;
@@ -161,7 +160,7 @@ Pose make_T_body_cam() {
 CubePair render_cube(const TagCubeConfig& cube, const Pose& T_world_body, std::uint64_t seed,
                      const PictureOptions& options) {
   const RectifiedStereo stereo = make_stereo();
-  Painter painter{cube, options, make_patterns(cube.ids), {}};
+  Painter painter{cube, options, make_patterns(options.painted_ids.empty() ? cube.ids : options.painted_ids), {}};
   cv::RNG rng(seed + 1000);
   for (double& light : painter.face_light) light = rng.uniform(0.5, 1.0);
   Pose T_world_cube = Pose::Identity();

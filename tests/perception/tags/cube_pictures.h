@@ -7,6 +7,7 @@
 
 #include <cstdint>
 #include <opencv2/core.hpp>
+#include <vector>
 
 #include "common/camera.h"
 #include "perception/tags/cube.h"
@@ -19,9 +20,11 @@ struct PictureOptions {
   double motion_px = 0;        ///< length of a horizontal smear
   double light = 1.0;          ///< of everything
   bool with_cube = true;
-  double true_tag_m = 0.24;  ///< what is painted, whatever the config says
-  /// A grey card on every face, as shares of the tag's width and height from its left and bottom.
+  double true_tag_m = 0.24;         ///< what is painted, whatever the config says
+  std::vector<double> painted_ids;  ///< if not empty: what is painted, whatever the config says
+  /// A card on every face, its extent as shares of the tag's width and height from its left and bottom.
   double card_left = 0, card_right = 0, card_bottom = 0, card_top = 0;
+  double card_grey = 110;
 };
 
 struct CubePair {

@@ -24,8 +24,9 @@ using std::chrono::milliseconds;
 
 void write(const Pose& pose, double (&position_m)[3], double (&wxyz)[4]) {
   const Eigen::Quaterniond q = canonical_quaternion(pose.linear());
-  Eigen::Map<Eigen::Vector3d>(position_m) = pose.translation();
-  Eigen::Map<Eigen::Vector4d>(wxyz) << q.w(), q.x(), q.y(), q.z();
+  for (int i = 0; i < 3; ++i) position_m[i] = pose.translation()[i];
+  const double values[4] = {q.w(), q.x(), q.y(), q.z()};
+  std::copy(values, values + 4, wxyz);
 }
 
 wheel_state_t to_message(const fusion::WheelReading& r) {

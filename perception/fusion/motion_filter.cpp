@@ -18,6 +18,10 @@ constexpr double kOffGroundSquared = 36;
 /// Chi squared with 6 degrees of freedom, 99.9 %: gate of tags and alignments.
 constexpr double kWorldGate = 22.5;
 constexpr double kStandingRadps = 0.03;
+/// Odometry that moves while the base stands is refused beyond this many gates; below, it has no weight anyway.
+constexpr double kStandingGate = 1.5;
+/// What a few milliseconds between the clocks of gyro, wheels and camera make when a turn begins.
+constexpr double kTurnMarginRad = 0.003;
 constexpr double kJumpMarginM = 0.03;
 constexpr double kJumpMarginRad = 0.02;
 constexpr double kLeapSigmaM = 0.5;
@@ -71,6 +75,23 @@ void change_frame(FilterState& state, const Pose& T_new_old, const Matrix6d& cov
   state.P += J * covariance * J.transpose();
 }
 
+/// Puts the body elsewhere, and the clone along with it.
+void set_anew(FilterState& state, const Pose& T_world_body, const Matrix6d& covariance) {
+  for (const int block : {static_cast<int>(kPose), static_cast<int>(kClone)}) {
+    state.P.middleRows<6>(block).setZero();
+    state.P.middleCols<6>(block).setZero();
+  }
+  Eigen::Matrix<double, kStates, 6> J = Eigen::Matrix<double, kStates, 6>::Zero();
+  J.block<6, 6>(kPose, 0).setIdentity();
+  if (state.clone) {
+    const Pose T_body_clone = state.T_frame_body.inverse() * state.clone->T_frame_body;
+    J.block<6, 6>(kClone, 0) = adjoint(T_body_clone.inverse());
+    state.clone->T_frame_body = T_world_body * T_body_clone;
+  }
+  state.T_frame_body = T_world_body;
+  state.P += J * covariance * J.transpose();
+}
+
 /// The drift since some moment, from that moment on: only the parameters are uncertain.
 Drift begin_drift(const FilterState& state) {
   Drift drift;
@@ -95,7 +116,9 @@ bool MotionFilter::stands(const FilterState& state, const Interval& interval) co
   if (!interval.wheels || !interval.wheels->still) return false;
   if (!interval.gyro_rad) return true;
   const double rate_radps = *interval.gyro_rad / interval.duration_s - state.gyro_bias_radps;
-  return std::abs(rate_radps) < std::max(kStandingRadps, 4 * sigma_of(state.P(kGyroBias, kGyroBias)));
+  const double variance =
+      state.P(kGyroBias, kGyroBias) + std::pow(params_.gyro.noise_radps_per_sqrt_hz, 2) / interval.duration_s;
+  return std::abs(rate_radps) < std::max(kStandingRadps, 4 * sigma_of(variance));
 }
 
 /// A gyro that stands shows its bias.
@@ -182,17 +205,17 @@ void MotionFilter::use_motion(FilterState& state, const OdometryReading& reading
   state.odometry_fault = find_jump(state, reading, motion);
   if (!state.odometry_fault.empty()) return;
 
-  const double gate = params_.odometry.gate_sigmas;
   const Vector6d wheels_error = local(state.since_clone.T_then_now, T_clone_now);
   const Matrix6d wheels_S = state.since_clone.covariance.topLeftCorner<6, 6>() + R;
   const Eigen::Vector2d planar = wheels_error.head<2>();
-  const bool turn_differs = std::abs(wheels_error(5)) > gate * sigma_of(wheels_S(5, 5));
-  const bool way_differs = planar.dot(wheels_S.topLeftCorner<2, 2>().llt().solve(planar)) > gate * gate;
-  if (state.still_since_clone && (turn_differs || way_differs)) {
+  const double turn_sigmas = std::abs(wheels_error(5)) / sigma_of(wheels_S(5, 5) + std::pow(kTurnMarginRad, 2));
+  const double way_sigmas = std::sqrt(planar.dot(wheels_S.topLeftCorner<2, 2>().llt().solve(planar)));
+  const double gate = params_.odometry.gate_sigmas;
+  if (state.still_since_clone && std::max(turn_sigmas, way_sigmas) > kStandingGate * gate) {
     state.odometry_fault = "visual odometry moves while the base stands";
     return;
   }
-  if (state.gyro_since_clone && turn_differs) {
+  if (state.gyro_since_clone && turn_sigmas > gate) {
     state.odometry_fault = "visual odometry turns otherwise than the gyro";
     return;
   }
@@ -208,7 +231,7 @@ void MotionFilter::use_motion(FilterState& state, const OdometryReading& reading
     state.odometry_fault = "visual odometry leaves the ground";
     return;
   }
-  const bool slips = state.wheels_since_clone && (way_differs || turn_differs);
+  const bool slips = state.wheels_since_clone && !state.still_since_clone && std::max(turn_sigmas, way_sigmas) > gate;
   const double step_s = to_seconds(reading.stamp - clone.stamp);
   if (slips) {
     Vector6d sigma = Vector6d::Zero();
@@ -279,8 +302,7 @@ void MotionFilter::correct(FilterState& state, const AlignmentReading& reading) 
       distance_squared(local(*state.T_world_odom_suspect * T_odom_body, T_world_body), 2 * (R + floor)) < kWorldGate;
   state.T_world_odom_suspect = reading.T_world_odom;
   if (!confirmed) return;
-  add_to_pose(state, r.cwiseAbs());
-  update<6>(state, H, r, R + floor);
+  set_anew(state, T_world_body, R + floor);
   state.T_world_odom_suspect.reset();
 }
 

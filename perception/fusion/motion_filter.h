@@ -47,8 +47,8 @@ struct OdometryReading {
   Matrix6d covariance = Matrix6d::Zero();       ///< accumulated, body axes
   Matrix6d step_covariance = Matrix6d::Zero();  ///< of the motion since the last pair, body axes
   bool usable = false;                          ///< OK or DEGRADED
-  bool anchored = false;  ///< the next pair's motion counts from here: usable, or lost and started anew at this pair
-  std::string reason;     ///< why not OK
+  bool anchored = false;    ///< the next pair's motion counts from here: usable, or lost and started anew at this pair
+  std::string reason = {};  ///< why not OK
 };
 
 /// Motion since some moment and its covariance, from prediction alone.

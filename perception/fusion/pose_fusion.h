@@ -22,7 +22,7 @@ struct WheelReading {
   Time stamp;
   double left_m = 0;  ///< way of the left side since whenever, without jumps
   double right_m = 0;
-  Twist2 commanded;
+  Twist2 commanded = {};
   bool usable = true;  ///< false: the base is unheard or its odometers are at fault
 };
 

@@ -6,11 +6,17 @@
 // filter.
 #pragma once
 
+#include <gtest/gtest.h>
+
+#include <Eigen/Cholesky>
+#include <algorithm>
 #include <cmath>
 #include <functional>
+#include <map>
 #include <random>
 #include <vector>
 
+#include "common/pose2.h"
 #include "perception/fusion/pose_fusion.h"
 
 namespace arpent::fusion {
@@ -31,7 +37,7 @@ struct DriveParams {
   std::function<void(double t_s, WheelReading&)> wheel_fault = [](double, WheelReading&) {};
   std::function<void(double t_s, OdometryReading&)> odometry_fault = [](double, OdometryReading&) {};
   /// Speed and turn rate wanted.
-  std::function<Twist2(double t_s)> profile;
+  std::function<Twist2(double t_s)> profile = {};
 };
 
 /// Stands for 3 s, then winds along at 0.5 m/s; turns on the spot for 2 s in every 15 s.
@@ -62,10 +68,12 @@ inline Drive make_drive(const DriveParams& p) {
     const Time stamp = start + from_seconds(t_s);
     const Twist2 wanted = p.profile ? p.profile(t_s) : winding(t_s);
     if (i > 0) {
-      // The base follows within its acceleration.
+      // The base follows within its acceleration, evenly over the step.
+      const Twist2 before = twist;
       twist.speed_mps += std::clamp(wanted.speed_mps - twist.speed_mps, -0.01, 0.01);
       twist.turn_rate_radps += std::clamp(wanted.turn_rate_radps - twist.turn_rate_radps, -0.03, 0.03);
-      const double d = twist.speed_mps * kStepS, a = twist.turn_rate_radps * kStepS;
+      const double d = 0.5 * (before.speed_mps + twist.speed_mps) * kStepS;
+      const double a = 0.5 * (before.turn_rate_radps + twist.turn_rate_radps) * kStepS;
       const double sideways = p.sideways_noise_m_per_sqrt_m * std::sqrt(std::abs(d)) * normal(random);
       Pose step = Pose::Identity();
       step.linear() = Eigen::AngleAxisd(a, Eigen::Vector3d::UnitZ()).toRotationMatrix();
@@ -121,6 +129,73 @@ inline std::vector<Delivery> deliveries(const Drive& drive, Duration delay = std
   for (const auto& r : drive.odometry) all.push_back({r.stamp + delay, [r](PoseFusion& f) { return f.add(r); }});
   std::stable_sort(all.begin(), all.end(), [](const Delivery& a, const Delivery& b) { return a.at < b.at; });
   return all;
+}
+
+/// Feeds all and returns the estimates at the odometry's times, each as it was when that odometry came (PAIR_POSE).
+inline std::vector<FusedPose> run(PoseFusion& fusion, const Drive& drive,
+                                  Duration delay = std::chrono::milliseconds(130)) {
+  std::vector<FusedPose> poses;
+  const auto all = deliveries(drive, delay);
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    EXPECT_EQ(all[i].add(fusion), "");
+    // The odometry of a moment comes after what else comes then.
+    const bool last_of_moment = i + 1 == all.size() || all[i + 1].at > all[i].at;
+    const bool odometry_came =
+        poses.size() < drive.odometry.size() && all[i].at == drive.odometry[poses.size()].stamp + delay;
+    if (last_of_moment && odometry_came) poses.push_back(*fusion.at(drive.odometry[poses.size()].stamp));
+  }
+  return poses;
+}
+
+inline Vector6d error(const FusedPose& pose, const Drive& drive) {
+  return local(pose.T_frame_body, drive.truth.at(pose.stamp));
+}
+
+inline double rms_m(const std::vector<FusedPose>& poses, const Drive& drive) {
+  double squares = 0;
+  for (const FusedPose& pose : poses) squares += error(pose, drive).head<2>().squaredNorm();
+  return std::sqrt(squares / static_cast<double>(poses.size()));
+}
+
+inline double worst_m(const std::vector<FusedPose>& poses, const Drive& drive) {
+  double worst = 0;
+  for (const FusedPose& pose : poses) worst = std::max(worst, error(pose, drive).head<2>().norm());
+  return worst;
+}
+
+/// The odometry's own poses.
+inline std::vector<FusedPose> odometry_alone(const Drive& drive) {
+  std::vector<FusedPose> poses;
+  for (const OdometryReading& o : drive.odometry) {
+    poses.emplace_back();
+    poses.back().stamp = o.stamp;
+    poses.back().T_frame_body = o.T_odom_body;
+  }
+  return poses;
+}
+
+/// Normalised squared error in (x, y, yaw): 3 on average if the covariance is honest.
+inline double planar_nees(const FusedPose& pose, const Drive& drive) {
+  constexpr int kPlanar[] = {0, 1, 5};
+  const Vector6d e = error(pose, drive);
+  Eigen::Vector3d planar;
+  Eigen::Matrix3d P;
+  for (int r = 0; r < 3; ++r) {
+    planar(r) = e(kPlanar[r]);
+    for (int c = 0; c < 3; ++c) P(r, c) = pose.covariance(kPlanar[r], kPlanar[c]);
+  }
+  return planar.dot(P.llt().solve(planar));
+}
+
+/// A drive whose unknown scale and bias are drawn as the default parameters say.
+inline DriveParams drawn(unsigned seed) {
+  std::mt19937 random(1000 + seed);
+  std::normal_distribution<double> normal;
+  DriveParams p;
+  p.seed = seed;
+  p.distance_scale = 0.02 * normal(random);
+  p.gyro_bias_radps = 0.05 * normal(random);
+  return p;
 }
 
 }  // namespace arpent::fusion

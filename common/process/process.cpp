@@ -116,7 +116,6 @@ int run_process(const ProcessType& type, int argc, char** argv) {
   app.add_option("--lcm-url", flags.lcm_url, "the robot's bus")->capture_default_str();
   app.add_option("--run-for-s", flags.run_for_s, "end by itself after so many seconds [s]")->check(CLI::PositiveNumber);
   app.add_flag("--print-config", flags.print_config, "print every effective value with its origin, and end");
-  if (type.can_dry_run) app.add_flag("--dry-run", flags.dry_run, "move nothing: publish status only");
   if (type.has_dry_run) app.add_flag("--dry-run", flags.dry_run, "move nothing: listen and report only");
   app.set_version_flag("--version", ARPENT_VERSION);
   try {

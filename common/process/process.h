@@ -23,9 +23,8 @@ namespace detail {
 struct ProcessType {
   std::string name;
   std::string help;
-  bool can_dry_run = false;  ///< its config has `dry_run`
   bool real_time = false;
-  bool has_dry_run = false;
+  bool has_dry_run = false;  ///< its config has `dry_run`
   std::function<config::Origins(const config::Sources&)> load;
   std::function<std::string(const config::Origins&)> print;
   /// Constructs the process on the bus; the returned function is its finish().
@@ -45,7 +44,6 @@ int run_process(int argc, char** argv) {
   detail::ProcessType type;
   type.name = Process::kName;
   type.help = Process::kHelp;
-  type.can_dry_run = requires {
   if constexpr (requires { Process::kRealTime; }) type.real_time = Process::kRealTime;
   type.has_dry_run = requires {
     config.dry_run;

@@ -14,7 +14,7 @@
 #include "common/error.h"
 #include "drivers/base/agilex_chassis.h"
 #include "drivers/can/process/open_can_port.h"
-#include "sim/camera/depth_noise.h"
+#include "sim/camera/depth_sensor.h"
 #include "sim/camera/renderer.h"
 #include "sim/robot/sim_robot.h"
 #include "sim/wire.h"
@@ -162,10 +162,14 @@ struct SimProcess::State {
 
   void take_depth(Time now) {
     const PinholeCamera& camera = rig.calibration.left.pinhole;
-    const double Bf = rig.calibration.T_right_left.translation().norm() * camera.fx_px;
+    sim::DepthNoise noise;
+    noise.focal_px = camera.fx_px;
+    noise.baseline_m = rig.calibration.T_right_left.translation().norm();
+    noise.min_range_m = rig.config.min_range_m;
+    noise.max_range_m = rig.config.max_range_m;
     const cv::Mat1f exact_m = take(left, rig.calibration.T_body_left, 0).depth_m;
-    const sim::NoisyDepth noisy = sim::add_depth_noise(exact_m, Bf, rig.config.min_range_m, rig.config.max_range_m,
-                                                       seed_of(config.seed, 16 + static_cast<std::uint64_t>(pair)));
+    const sim::NoisyDepth noisy =
+        sim::sense_depth(exact_m, noise, seed_of(config.seed, 16 + static_cast<std::uint64_t>(pair)));
     transfer(channels::kDepth, sim::to_wire(now, pair, camera, noisy.depth_m, noisy.sigma_m));
     const sim::SimulatedStep step = odometry.move_to(robot.pose());
     const Pose T_last_now = T_odom_last.value_or(step.T_odom_body).inverse() * step.T_odom_body;

@@ -18,6 +18,7 @@
 #include "common/bus/lockstep.h"
 #include "common/bus/typed.h"
 #include "common/channels.h"
+#include "common/config/config.h"
 #include "common/error.h"
 #include "common/image_codec.h"
 #include "common/net/private_network.h"

@@ -121,7 +121,6 @@ struct ThreadedFeed::State {
 ThreadedFeed::ThreadedFeed(OpenSource open, const FeedParams& params) : state_(std::make_shared<State>()) {
   state_->open = std::move(open);
   state_->params = params;
-  state_->condition.fault = "not open yet";
   std::thread([state = state_] { state->run(); }).detach();
 }
 

@@ -12,6 +12,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "common/host_time.h"
 #include "common/time.h"
 
 namespace arpent::camera {
@@ -56,18 +57,5 @@ class FrameSource {
 /// Opens a device; may take seconds. Throws DeviceLost if it is not there, InputError if it can never work as
 /// configured.
 using OpenSource = std::function<std::unique_ptr<FrameSource>()>;
-
-/// The bus' clock for threads of a driver's own: a value, so that it may outlive the bus.
-class HostTime {
- public:
-  /// `bus_now`: the bus' clock at this moment.
-  explicit HostTime(Time bus_now);
-  [[nodiscard]] Time now() const;
-  /// A stamp of CLOCK_MONOTONIC in the bus' time.
-  [[nodiscard]] Time from_monotonic(Duration monotonic) const { return Time(monotonic + bus_minus_monotonic_); }
-
- private:
-  Duration bus_minus_monotonic_;
-};
 
 }  // namespace arpent::camera

@@ -18,6 +18,7 @@
 #include "common/bus/lockstep.h"
 #include "common/bus/typed.h"
 #include "common/channels.h"
+#include "common/config/config.h"
 #include "common/error.h"
 #include "common/image_codec.h"
 #include "common/net/private_network.h"
@@ -36,8 +37,7 @@ cv::Mat1b image_of(const image_t& message) {
   return image ? cv::Mat1b(*image) : cv::Mat1b(1, 1, std::uint8_t{0});
 }
 
-// --- lockstep
-// ---------------------------------------------------------------------------------------------------------
+// Lockstep.
 
 class CameraProcessLockstep : public testing::Test {
  protected:
@@ -146,8 +146,18 @@ TEST(CameraProcessConfig, WhatCanNeverWorkIsRefusedWithEveryFault) {
   EXPECT_NE(fault(config).find("max_gain_db"), std::string::npos);
 }
 
-// --- live
-// -------------------------------------------------------------------------------------------------------------
+TEST(CameraProcessConfig, EveryShippedFileLoadsAndPrintsBack) {
+  int files = 0;
+  for (const auto& entry : fs::directory_iterator(ARPENT_SOURCE_DIR "/config/cameras")) {
+    const auto loaded = config::load<CameraConfig>(entry.path());
+    const auto again = config::load_text<CameraConfig>("printed", config::to_yaml(loaded));
+    EXPECT_EQ(config::to_yaml(again), config::to_yaml(loaded)) << entry.path();
+    ++files;
+  }
+  EXPECT_GE(files, 2);
+}
+
+// Live.
 
 constexpr char kLeftAddress[] = "10.88.0.1";
 constexpr char kRightAddress[] = "10.88.0.2";

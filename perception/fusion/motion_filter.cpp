@@ -75,6 +75,20 @@ void change_frame(FilterState& state, const Pose& T_new_old, const Matrix6d& cov
   state.P += J * covariance * J.transpose();
 }
 
+/// How far odometry is from what wheels and gyro predict, in deviations of both.
+struct Disagreement {
+  double turn_sigmas = 0;
+  double way_sigmas = 0;
+};
+
+Disagreement compare(const Drift& predicted, const Pose& T_then_now, const Matrix6d& R) {
+  const Vector6d error = local(predicted.T_then_now, T_then_now);
+  const Matrix6d S = predicted.covariance.topLeftCorner<6, 6>() + R;
+  const Eigen::Vector2d way = error.head<2>();
+  return {std::abs(error(5)) / sigma_of(S(5, 5) + std::pow(kTurnMarginRad, 2)),
+          std::sqrt(way.dot(S.topLeftCorner<2, 2>().llt().solve(way)))};
+}
+
 /// Puts the body elsewhere, and the clone along with it.
 void set_anew(FilterState& state, const Pose& T_world_body, const Matrix6d& covariance) {
   for (const int block : {static_cast<int>(kPose), static_cast<int>(kClone)}) {
@@ -205,17 +219,13 @@ void MotionFilter::use_motion(FilterState& state, const OdometryReading& reading
   state.odometry_fault = find_jump(state, reading, motion);
   if (!state.odometry_fault.empty()) return;
 
-  const Vector6d wheels_error = local(state.since_clone.T_then_now, T_clone_now);
-  const Matrix6d wheels_S = state.since_clone.covariance.topLeftCorner<6, 6>() + R;
-  const Eigen::Vector2d planar = wheels_error.head<2>();
-  const double turn_sigmas = std::abs(wheels_error(5)) / sigma_of(wheels_S(5, 5) + std::pow(kTurnMarginRad, 2));
-  const double way_sigmas = std::sqrt(planar.dot(wheels_S.topLeftCorner<2, 2>().llt().solve(planar)));
+  const Disagreement wheels = compare(state.since_clone, T_clone_now, R);
   const double gate = params_.odometry.gate_sigmas;
-  if (state.still_since_clone && std::max(turn_sigmas, way_sigmas) > kStandingGate * gate) {
+  if (state.still_since_clone && std::max(wheels.turn_sigmas, wheels.way_sigmas) > kStandingGate * gate) {
     state.odometry_fault = "visual odometry moves while the base stands";
     return;
   }
-  if (state.gyro_since_clone && turn_sigmas > gate) {
+  if (state.gyro_since_clone && wheels.turn_sigmas > gate) {
     state.odometry_fault = "visual odometry turns otherwise than the gyro";
     return;
   }
@@ -231,7 +241,8 @@ void MotionFilter::use_motion(FilterState& state, const OdometryReading& reading
     state.odometry_fault = "visual odometry leaves the ground";
     return;
   }
-  const bool slips = state.wheels_since_clone && !state.still_since_clone && std::max(turn_sigmas, way_sigmas) > gate;
+  const bool slips =
+      state.wheels_since_clone && !state.still_since_clone && std::max(wheels.turn_sigmas, wheels.way_sigmas) > gate;
   const double step_s = to_seconds(reading.stamp - clone.stamp);
   if (slips) {
     Vector6d sigma = Vector6d::Zero();

@@ -79,5 +79,14 @@ TEST(Geometry, CameraAxesInBody) {
   EXPECT_EQ(R * Eigen::Vector3d(0, 1, 0), Eigen::Vector3d(0, 0, -1)) << "camera down is body down";
 }
 
+TEST(Geometry, TheAdjointMovesASmallMotionToTheOtherFrame) {
+  const Pose T = Eigen::Translation3d(1, -2, 3) * Eigen::AngleAxisd(0.7, Eigen::Vector3d(2, 1, 2) / 3);
+  Vector6d d;
+  d << 1e-6, -2e-6, 3e-6, -4e-6, 5e-6, 6e-6;
+  const Pose right = retract(T, d);
+  const Pose left = retract(Pose::Identity(), adjoint(T) * d) * T;
+  EXPECT_LT((right.matrix() - left.matrix()).norm(), 1e-9);
+}
+
 }  // namespace
 }  // namespace arpent

@@ -14,15 +14,19 @@ namespace arpent::tour {
 namespace {
 
 /// Candidate arcs that leave a node.
-constexpr int kCandidates = 10;
+constexpr int kCandidates = 8;
+/// Exchanges in a chain.
+constexpr std::size_t kDepth = 10;
 /// Longest of the three pieces that a kick reorders.
 constexpr int kKickLength = 30;
 /// Allowance for worse tours after a kick, as a share of the spread of the candidate arcs.
-constexpr double kTemperature = 0.05;
+constexpr double kTemperature = 0.2;
 /// Gains below this share of the cost's scale are rounding.
 constexpr double kRelativeEpsilon = 1e-12;
 
-std::size_t index(int i) { return static_cast<std::size_t>(i); }
+std::size_t index(int i) {
+  return static_cast<std::size_t>(i);
+}
 
 }  // namespace
 
@@ -75,8 +79,8 @@ AtspSearch::AtspSearch(const Matrix& cost, const Bound& bound, std::vector<int> 
       if (i != j) scale = std::max(scale, std::abs(cost(i, j)));
     }
   }
-  const double multipliers = std::accumulate(bound.out.begin(), bound.out.end(), 0.0) +
-                             std::accumulate(bound.in.begin(), bound.in.end(), 0.0);
+  const double multipliers =
+      std::accumulate(bound.out.begin(), bound.out.end(), 0.0) + std::accumulate(bound.in.begin(), bound.in.end(), 0.0);
   epsilon_ = kRelativeEpsilon * scale;
   tight_ = bound.value - multipliers + epsilon_ * n_;
   list_candidates();
@@ -129,6 +133,12 @@ void AtspSearch::touch(int node) {
   queue_.push_back(node);
 }
 
+/// The ends of the arc that leaves `node`.
+void AtspSearch::touch_both_ends(int node) {
+  touch(node);
+  touch(after(node));
+}
+
 void AtspSearch::run_until(std::int64_t steps) {
   if (!started_) {
     started_ = true;
@@ -153,43 +163,78 @@ void AtspSearch::improve() {
   queue_.clear();
 }
 
-/// Three arcs (a, a'), (b, b'), (c, c') in the tour's order become (a, b'), (c, a'), (b, c'): the two pieces between them
-/// change places. Any three-arc exchange that gains has a rotation whose partial sums all gain (Lin and Kernighan
-/// 1973), so that cutting the search at the first loss misses none among the candidate arcs.
+/// A chain of exchanges from the arc (a, a'), in which each begins with the arc that closed the last one (Lin and
+/// Kernighan 1973; without reversal: Kanellakis and Papadimitriou 1980). Stops at the first that gains; if none does,
+/// the tour is as before.
 bool AtspSearch::improve_at(int a) {
-  const int a_next = after(a);
-  const double removed = arc(a, a_next);
+  chain_.clear();
+  double gain = arc(a, after(a));
+  while (chain_.size() < kDepth) {
+    const Exchange step = find_exchange(a, gain);
+    if (step.closed > epsilon_) {
+      chain_.push_back({a, step.b, step.c});
+      for (const Link& link : chain_) {
+        for (const int node : {link.a, link.b, link.c}) touch_both_ends(node);
+      }
+      exchange(a, step.b, step.c);
+      for (const Link& link : chain_) {
+        for (const int node : {link.a, link.b, link.c}) touch_both_ends(node);
+      }
+      tour_reduced_ -= step.closed;
+      return true;
+    }
+    if (step.open <= epsilon_) break;
+    exchange(a, step.b, step.c);
+    chain_.push_back({a, step.b, step.c});
+    a = step.c;
+    gain = step.open;
+  }
+  for (; !chain_.empty(); chain_.pop_back()) exchange(chain_.back().a, chain_.back().c, chain_.back().b);
+  return false;
+}
+
+/// Three arcs (a, a'), (b, b'), (c, c') in the tour's order become (a, b'), (b, c'), (c, a'): the two pieces between
+/// them change places. `gain` is what the removed arcs save over the added ones so far, (a, a') included. Any exchange
+/// that gains has a rotation whose partial sums all gain, so that cutting the search at the first loss misses none
+/// among the candidate arcs. Returns the one that gains most when closed, or else the one that leaves most for the next
+/// link.
+AtspSearch::Exchange AtspSearch::find_exchange(int a, double gain) {
   Exchange best;
+  const int a_next = after(a);
   for (int k = 0; k < width_; ++k) {
     const int b_next = candidates_[index(a * width_ + k)];
     ++steps_;
-    const double gain = removed - arc(a, b_next);
-    if (gain <= epsilon_) break;
-    if (b_next == a_next) continue;
-    find_third(a, b_next, gain, best);
+    const double left = gain - arc(a, b_next);
+    if (left <= epsilon_) break;
+    if (b_next == a_next || added(before(b_next))) continue;
+    find_third(a, b_next, left, best);
   }
-  if (best.gain <= epsilon_) return false;
-  exchange(a, best.b, best.c);
-  tour_reduced_ -= best.gain;
-  return true;
+  return best;
 }
 
-/// The best (c, c') behind b' for the arcs (a, a') and (b, b').
+/// The best (c, c') behind b'.
 void AtspSearch::find_third(int a, int b_next, double gain, Exchange& best) {
   const int a_next = after(a), b = before(b_next);
-  const double open = gain + arc(b, b_next);
+  const double open_gain = gain + arc(b, b_next);
   const int most = ahead(b_next, a);
   for (int k = 0; k < width_; ++k) {
     const int c_next = candidates_[index(b * width_ + k)];
     ++steps_;
-    const double left = open - arc(b, c_next);
+    const double left = open_gain - arc(b, c_next);
     if (left <= epsilon_) break;
     const int distance = ahead(b_next, c_next);
     if (distance == 0 || distance > most) continue;
     const int c = before(c_next);
-    const double closed = left + arc(c, c_next) - arc(c, a_next);
-    if (closed > best.gain) best = {closed, b, c};
+    if (added(c)) continue;
+    const double open = left + arc(c, c_next), closed = open - arc(c, a_next);
+    const bool better = best.closed > epsilon_ || closed > epsilon_ ? closed > best.closed : open > best.open;
+    if (better) best = {open, closed, b, c};
   }
+}
+
+/// Whether the arc that leaves `node` was put in by the present chain, which must not take it out again.
+bool AtspSearch::added(int node) const {
+  return std::any_of(chain_.begin(), chain_.end(), [&](const Link& link) { return link.a == node || link.b == node; });
 }
 
 void AtspSearch::exchange(int a, int b, int c) {
@@ -203,7 +248,6 @@ void AtspSearch::exchange(int a, int b, int c) {
   } else {
     swap_pieces(place_[index(c_next)], third, first);
   }
-  for (const int node : {a, a_next, b, b_next, c, c_next}) touch(node);
 }
 
 void AtspSearch::swap_pieces(int position, int first, int second) {

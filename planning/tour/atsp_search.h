@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
 // The closed asymmetric travelling salesman problem (ATSP) by local search: moves of the Lin-Kernighan class that never
-// reverse a piece of the tour (an arc's cost differs from its reverse's), restarted from small random kicks. Anytime: its
-// budget is a number of steps, so that its result depends on nothing but its arguments.
+// reverse a piece of the tour (an arc's cost differs from its reverse's), restarted from small random kicks. Anytime:
+// its budget is a number of steps, so that its result depends on nothing but its arguments.
 #pragma once
 
 #include <cstdint>
@@ -42,8 +42,12 @@ class AtspSearch {
 
  private:
   struct Exchange {
-    double gain = 0;
+    double open = 0;    ///< gain before the arc that closes it
+    double closed = 0;  ///< gain of the tour
     int b = 0, c = 0;
+  };
+  struct Link {
+    int a, b, c;
   };
 
   [[nodiscard]] double arc(int i, int j) const { return reduced_[static_cast<std::size_t>(i * n_ + j)]; }
@@ -54,8 +58,11 @@ class AtspSearch {
   void list_candidates();
   void set_tour(const std::vector<int>& tour);
   void touch(int node);
+  void touch_both_ends(int node);
   void improve();
   bool improve_at(int node);
+  [[nodiscard]] Exchange find_exchange(int a, double gain);
+  [[nodiscard]] bool added(int node) const;
   void find_third(int a, int b_next, double gain, Exchange& best);
   void exchange(int a, int b, int c);
   void swap_pieces(int position, int first, int second);
@@ -65,15 +72,16 @@ class AtspSearch {
 
   int n_;
   Matrix cost_;
-  std::vector<double> reduced_;      ///< n x n reduced costs: they rank arcs better, and differ by a constant per tour
-  std::vector<int> candidates_;      ///< n x width_: each node's cheapest ways on
+  std::vector<double> reduced_;  ///< n x n reduced costs: they rank arcs better, and differ by a constant per tour
+  std::vector<int> candidates_;  ///< n x width_: each node's cheapest ways on
   int width_ = 0;
-  double tight_ = 0;                 ///< a tour of this reduced cost attains the bound
+  double tight_ = 0;  ///< a tour of this reduced cost attains the bound
   double epsilon_ = 0;
   double temperature_ = 0;
-  std::vector<int> order_, place_;   ///< the tour, and where in it each node is
-  std::vector<int> queue_;           ///< nodes whose arcs changed ("don't look" at the others)
+  std::vector<int> order_, place_;  ///< the tour, and where in it each node is
+  std::vector<int> queue_;          ///< nodes whose arcs changed ("don't look" at the others)
   std::vector<char> queued_;
+  std::vector<Link> chain_;
   std::vector<int> scratch_, kept_, best_;
   double tour_reduced_ = 0, kept_reduced_ = 0, best_reduced_ = 0;
   std::mt19937_64 random_;

@@ -14,8 +14,13 @@ namespace arpent::tour {
 /// Nodes that fit: 2^18 subsets of 18 nodes are 38 MB.
 constexpr int kMostExactNodes = 19;
 
-/// Cheapest closed tour through all nodes of `cost` (n x n, 1 <= n <= kMostExactNodes; the diagonal is ignored; infinite =
-/// forbidden), beginning with node 0. An open path from node 0 is the same with cost(j, 0) = 0.
+/// Cheapest closed tour through all nodes of `cost` (n x n, 1 <= n <= kMostExactNodes; the diagonal is ignored;
+/// infinite = forbidden), beginning with node 0. An open path from node 0 is the same with cost(j, 0) = 0.
 [[nodiscard]] std::vector<int> exact_tour(const Matrix& cost);
+
+/// The same when an arc's price depends on what is still to be visited: cost(i, j) times `base` plus the `weight` (one
+/// per node, node 0's is not used) of all nodes not visited before j, j included. With times for costs this is the sum
+/// of weighted arrival times plus `base` times the arrival at the last node (the arcs back to node 0 must be 0).
+[[nodiscard]] std::vector<int> exact_weighted_tour(const Matrix& cost, double base, const std::vector<double>& weight);
 
 }  // namespace arpent::tour

@@ -23,8 +23,8 @@ struct Bound {
 /// Source: Kuhn's method with shortest augmenting paths, O(n^3).
 [[nodiscard]] Bound assignment_bound(const Matrix& cost);
 
-/// Raises `start` by at most `iterations` steps towards the Held-Karp bound; never returns less than `start`. `upper` is
-/// the cost of any tour. O(n^2) each. Relaxation: a tour without node 0 is a spanning tree (here one that may ignore
+/// Raises `start` by at most `iterations` steps towards the Held-Karp bound; never returns less than `start`. `upper`
+/// is the cost of any tour. O(n^2) each. Relaxation: a tour without node 0 is a spanning tree (here one that may ignore
 /// directions), and node 0 is left once and entered once; the multipliers price each node's out- and in-degree.
 /// Source: Held and Karp 1970; step sizes by Held, Wolfe and Crowder 1974.
 [[nodiscard]] Bound held_karp_bound(const Matrix& cost, const Bound& start, double upper, int iterations);

@@ -251,6 +251,7 @@ void AtspSearch::exchange(int a, int b, int c) {
 }
 
 void AtspSearch::swap_pieces(int position, int first, int second) {
+  steps_ += first + second;
   scratch_.clear();
   for (int i = 0; i < second; ++i) scratch_.push_back(order_[index((position + first + i) % n_)]);
   for (int i = 0; i < first; ++i) scratch_.push_back(order_[index((position + i) % n_)]);

@@ -29,7 +29,8 @@ class AtspSearch {
   /// permutation of all nodes, made locally optimal by the first `run`.
   AtspSearch(const Matrix& cost, const Bound& bound, std::vector<int> tour, std::uint64_t seed = 1);
 
-  /// Searches on until `steps` in total (one step looks at one candidate arc; a kick once begun is finished). The state
+  /// Searches on until `steps` in total (one step looks at one candidate arc or moves one node; a kick once
+  /// begun is finished). The state
   /// depends on the largest total asked for, not on how it was divided into calls. More steps never make `best` worse.
   void run_until(std::int64_t steps);
 

@@ -22,7 +22,8 @@ struct SolverParams {
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visitor) {
     visitor.field("exact_up_to", self.exact_up_to, "clusters up to which a tour is exact", config::between(0, 16));
-    visitor.field("steps", self.steps, "candidate arcs that the local search looks at (7e6 take about 50 ms)",
+    visitor.field("steps", self.steps,
+                  "candidate arcs that the local search looks at and nodes it moves (7e6 take about 50 ms)",
                   config::between(0.0, 1e12));
     visitor.field("bound_iterations", self.bound_iterations, "iterations for the bound; 0: the assignment bound",
                   config::between(0, 100000));

@@ -1,0 +1,105 @@
+// SPDX-FileCopyrightText: The arpent authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "planning/viewpoints/sight.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace arpent::planning {
+namespace {
+
+using mapping::BlockClasses;
+using mapping::VoxelClasses;
+
+bool is_empty(const BlockClasses& block, const VoxelIndex& v) {
+  return (block.empty[static_cast<std::size_t>(v.z() & 7)] >> ((v.x() & 7) + 8 * (v.y() & 7)) & 1) != 0;
+}
+
+}  // namespace
+
+bool is_clear(const VoxelClasses& classes, const Eigen::Vector3d& from_voxels, const Eigen::Vector3d& to_voxels) {
+  // Amanatides and Woo, "A fast voxel traversal algorithm", Eurographics 1987, from one block to the next by its
+  // pointers. Each axis has so many walls to cross and no more: rounding cannot lead past the end.
+  constexpr std::array<int, 3> kStride = {1, 3, 9};
+  VoxelIndex voxel = from_voxels.array().floor().cast<int>();
+  const VoxelIndex last = to_voxels.array().floor().cast<int>();
+  Eigen::Vector3i left = last - voxel;
+  Eigen::Vector3d next = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity()), spacing = next;
+  for (int k = 0; k < 3; ++k) {
+    if (left[k] == 0) continue;
+    const double along = to_voxels[k] - from_voxels[k];
+    spacing[k] = std::abs(1 / along);
+    next[k] = (voxel[k] + (left[k] > 0 ? 1 : 0) - from_voxels[k]) / along;
+  }
+  const BlockClasses* block = classes.find(mapping::block_of(voxel));
+  for (int steps = left.cwiseAbs().sum();; --steps) {
+    if (block == nullptr || !is_empty(*block, voxel)) return false;
+    if (steps == 0) return true;
+    const int k = next[0] <= next[1] ? (next[0] <= next[2] ? 0 : 2) : (next[1] <= next[2] ? 1 : 2);
+    const int step = left[k] > 0 ? 1 : -1;
+    voxel[k] += step;
+    left[k] -= step;
+    next[k] = left[k] == 0 ? std::numeric_limits<double>::infinity() : next[k] + spacing[k];
+    if ((voxel[k] & 7) == (step > 0 ? 0 : 7)) {
+      block = block->around[static_cast<std::size_t>(mapping::kCentreOfAround + step * kStride[static_cast<std::size_t>(k)])];
+    }
+  }
+}
+
+Sight::Sight(const LevelCamera& camera, const mapping::IncompleteSurface& surface, const mapping::TsdfMap& map)
+    : camera_(camera),
+      classes_(surface.classes()),
+      voxel_m_(map.params().voxel_m),
+      elements_(surface.elements(map)),
+      first_{0} {
+  std::unordered_map<VoxelIndex, std::uint32_t, mapping::BlockHash> index_of;
+  for (const auto& element : elements_) {
+    for (const VoxelIndex& voxel : surface.unknown_beside(element.voxel, map)) {
+      const auto [entry, fresh] = index_of.try_emplace(voxel, static_cast<std::uint32_t>(unknowns_.size()));
+      if (fresh) {
+        const auto seen = map.voxel(voxel);
+        const double weight = seen ? static_cast<double>(seen->weight) : 0.0;
+        // Never zero: a voxel a rounding short of known still needs a look.
+        const double missing = std::max(map.params().known_weight - weight, 1e-6);
+        unknowns_.push_back({voxel, map.centre_m(voxel), missing});
+      }
+      members_.push_back(entry->second);
+    }
+    first_.push_back(static_cast<std::uint32_t>(members_.size()));
+  }
+}
+
+bool Sight::reaches(const CameraView& view, const Eigen::Vector3d& p_map_m, double stop_short_m) const {
+  // Nothing nearer than the least depth is seen: there the ray begins.
+  const Eigen::Vector3d ray = p_map_m - view.position_m();
+  const double begin = camera_.min_range_m / view.depth_m(p_map_m);
+  const double end = 1 - stop_short_m / ray.norm();
+  if (end <= begin) return true;
+  return is_clear(classes_, (view.position_m() + begin * ray) / voxel_m_, (view.position_m() + end * ray) / voxel_m_);
+}
+
+std::vector<std::uint32_t> Sight::see_elements(const Pose2& pose) const {
+  const CameraView view(camera_, pose);
+  std::vector<std::uint32_t> seen;
+  for (std::uint32_t i = 0; i < elements_.size(); ++i) {
+    const Eigen::Vector3d& p = elements_[i].centre_m;
+    if (view.contains(p) && reaches(view, p, 0)) seen.push_back(i);
+  }
+  return seen;
+}
+
+bool Sight::shows(const CameraView& view, const UnknownVoxel& unknown) const {
+  return view.contains(unknown.centre_m) && reaches(view, unknown.centre_m, voxel_m_);
+}
+
+std::vector<Look> Sight::look_at_unknowns(const Pose2& pose) const {
+  const CameraView view(camera_, pose);
+  std::vector<Look> looks;
+  for (std::uint32_t i = 0; i < unknowns_.size(); ++i) {
+    if (shows(view, unknowns_[i])) looks.push_back({i, static_cast<float>(share_of_look(view, unknowns_[i]))});
+  }
+  return looks;
+}
+
+}  // namespace arpent::planning

@@ -1,0 +1,77 @@
+// SPDX-FileCopyrightText: The arpent authors
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// What a pose of the robot would see of the incomplete surface: rays through the map's empty voxels, cast only towards
+// the elements inside the frustum. A snapshot of one state of the map; it answers from several threads at once.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "mapping/surface/incomplete_surface.h"
+#include "planning/viewpoints/level_camera.h"
+
+namespace arpent::planning {
+
+using mapping::VoxelIndex;
+
+/// True if every voxel that the segment passes through, both ends included, is known and empty. Ends in voxels, as
+/// map coordinates divided by the voxel's edge.
+[[nodiscard]] bool is_clear(const mapping::VoxelClasses& classes, const Eigen::Vector3d& from_voxels,
+                            const Eigen::Vector3d& to_voxels);
+
+/// A voxel that must become known before the elements beside it are complete (thesis Def. 3).
+struct UnknownVoxel {
+  VoxelIndex voxel = VoxelIndex::Zero();
+  Eigen::Vector3d centre_m = Eigen::Vector3d::Zero();
+  double missing_weight = 0;  ///< W_th less what it has
+};
+
+/// What one look adds to an unknown voxel, as a share of what it misses.
+struct Look {
+  std::uint32_t unknown = 0;  ///< index into unknowns()
+  float share = 0;
+};
+
+class Sight {
+ public:
+  /// `surface` is up to date with `map`; its classes must outlive this and stay as they are.
+  Sight(const LevelCamera& camera, const mapping::IncompleteSurface& surface, const mapping::TsdfMap& map);
+
+  [[nodiscard]] const LevelCamera& camera() const { return camera_; }
+  [[nodiscard]] double voxel_m() const { return voxel_m_; }
+  [[nodiscard]] const std::vector<mapping::IncompleteElement>& elements() const { return elements_; }
+  [[nodiscard]] const std::vector<UnknownVoxel>& unknowns() const { return unknowns_; }
+  /// The unknown voxels beside an element, as indices into unknowns().
+  [[nodiscard]] std::span<const std::uint32_t> unknowns_of(std::size_t element) const {
+    return std::span(members_).subspan(first_[element], first_[element + 1] - first_[element]);
+  }
+
+  /// Elements seen from the pose, by index: a ray reaches them, the first voxel that is not empty lies beyond (thesis
+  /// Sect. 2.4.3; elements are empty voxels, so a ray that "touches" one has crossed it). Ascending.
+  [[nodiscard]] std::vector<std::uint32_t> see_elements(const Pose2& pose) const;
+
+  /// Unknown voxels that a depth image taken at the pose would say something about, and how much: those to within one
+  /// voxel of which a ray comes through empty space. The weight is the map's, 1/z^2 (thesis Sect. 2.4.1). Ascending.
+  [[nodiscard]] std::vector<Look> look_at_unknowns(const Pose2& pose) const;
+
+  /// Whether the view shows the unknown voxel, as look_at_unknowns() has it.
+  [[nodiscard]] bool shows(const CameraView& view, const UnknownVoxel& unknown) const;
+  /// What one look from there adds.
+  [[nodiscard]] static double share_of_look(const CameraView& view, const UnknownVoxel& unknown) {
+    return 1.0 / ((unknown.centre_m - view.position_m()).squaredNorm() * unknown.missing_weight);
+  }
+
+ private:
+  [[nodiscard]] bool reaches(const CameraView& view, const Eigen::Vector3d& p_map_m, double stop_short_m) const;
+
+  LevelCamera camera_;
+  const mapping::VoxelClasses& classes_;
+  double voxel_m_;
+  std::vector<mapping::IncompleteElement> elements_;
+  std::vector<UnknownVoxel> unknowns_;
+  std::vector<std::uint32_t> members_, first_;
+};
+
+}  // namespace arpent::planning

@@ -32,6 +32,7 @@ struct LevelCamera {
 /// A pose of the camera, ready to be asked about many points.
 class CameraView {
  public:
+  /// Keeps a reference to the camera.
   CameraView(const LevelCamera& camera, const Pose2& pose);
   [[nodiscard]] const Eigen::Vector3d& position_m() const { return position_m_; }
   /// Depth along the optical axis.
@@ -50,7 +51,7 @@ class CameraView {
   }
 
  private:
-  LevelCamera camera_;
+  const LevelCamera& camera_;
   Eigen::Vector3d position_m_;
   Eigen::Vector2d forward_;
 };

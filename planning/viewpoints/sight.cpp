@@ -47,10 +47,12 @@ bool is_clear(const VoxelClasses& classes, const Eigen::Vector3d& from_voxels, c
   }
 }
 
-Sight::Sight(const LevelCamera& camera, const mapping::IncompleteSurface& surface, const mapping::TsdfMap& map)
+Sight::Sight(const LevelCamera& camera, const mapping::IncompleteSurface& surface, const mapping::TsdfMap& map,
+             const VoxelSet& given_up)
     : camera_(camera),
       classes_(surface.classes()),
       voxel_m_(map.params().voxel_m),
+      known_weight_(map.params().known_weight),
       elements_(surface.elements(map)),
       first_{0} {
   std::unordered_map<VoxelIndex, std::uint32_t, mapping::BlockHash> index_of;
@@ -62,12 +64,17 @@ Sight::Sight(const LevelCamera& camera, const mapping::IncompleteSurface& surfac
         const double weight = seen ? static_cast<double>(seen->weight) : 0.0;
         // Never zero: a voxel a rounding short of known still needs a look.
         const double missing = std::max(map.params().known_weight - weight, 1e-6);
-        unknowns_.push_back({voxel, map.centre_m(voxel), missing});
+        unknowns_.push_back({voxel, map.centre_m(voxel), missing, given_up.contains(voxel)});
       }
       members_.push_back(entry->second);
     }
     first_.push_back(static_cast<std::uint32_t>(members_.size()));
   }
+}
+
+bool Sight::is_given_up(std::size_t element) const {
+  const auto unknowns = unknowns_of(element);
+  return std::any_of(unknowns.begin(), unknowns.end(), [&](std::uint32_t u) { return unknowns_[u].given_up; });
 }
 
 bool Sight::reaches(const CameraView& view, const Eigen::Vector3d& p_map_m, double stop_short_m) const {

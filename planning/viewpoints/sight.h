@@ -7,6 +7,7 @@
 
 #include <cstdint>
 #include <span>
+#include <unordered_set>
 #include <vector>
 
 #include "mapping/surface/incomplete_surface.h"
@@ -26,7 +27,10 @@ struct UnknownVoxel {
   VoxelIndex voxel = VoxelIndex::Zero();
   Eigen::Vector3d centre_m = Eigen::Vector3d::Zero();
   double missing_weight = 0;  ///< W_th less what it has
+  bool given_up = false;      ///< many looks have not made it known
 };
+
+using VoxelSet = std::unordered_set<VoxelIndex, mapping::BlockHash>;
 
 /// What one look adds to an unknown voxel, as a share of what it misses.
 struct Look {
@@ -36,17 +40,23 @@ struct Look {
 
 class Sight {
  public:
-  /// `surface` is up to date with `map`; its classes must outlive this and stay as they are.
-  Sight(const LevelCamera& camera, const mapping::IncompleteSurface& surface, const mapping::TsdfMap& map);
+  /// `surface` is up to date with `map`; its classes must outlive this and stay as they are. `given_up`: unknown voxels
+  /// from which no more is expected.
+  Sight(const LevelCamera& camera, const mapping::IncompleteSurface& surface, const mapping::TsdfMap& map,
+        const VoxelSet& given_up = {});
 
   [[nodiscard]] const LevelCamera& camera() const { return camera_; }
   [[nodiscard]] double voxel_m() const { return voxel_m_; }
+  [[nodiscard]] double known_weight() const { return known_weight_; }
   [[nodiscard]] const std::vector<mapping::IncompleteElement>& elements() const { return elements_; }
   [[nodiscard]] const std::vector<UnknownVoxel>& unknowns() const { return unknowns_; }
   /// The unknown voxels beside an element, as indices into unknowns().
   [[nodiscard]] std::span<const std::uint32_t> unknowns_of(std::size_t element) const {
     return std::span(members_).subspan(first_[element], first_[element + 1] - first_[element]);
   }
+
+  /// Whether one of them is given up: looks will not complete the element.
+  [[nodiscard]] bool is_given_up(std::size_t element) const;
 
   /// Elements seen from the pose, by index: a ray reaches them, the first voxel that is not empty lies beyond (thesis
   /// Sect. 2.4.3; elements are empty voxels, so a ray that "touches" one has crossed it). Ascending.
@@ -68,7 +78,7 @@ class Sight {
 
   LevelCamera camera_;
   const mapping::VoxelClasses& classes_;
-  double voxel_m_;
+  double voxel_m_, known_weight_;
   std::vector<mapping::IncompleteElement> elements_;
   std::vector<UnknownVoxel> unknowns_;
   std::vector<std::uint32_t> members_, first_;

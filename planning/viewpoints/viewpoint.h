@@ -40,12 +40,12 @@ struct ViewpointParams {
   double steep_angle_deg = 30.0;
   int ring = 12;
   double d_v_m = 2.0;
-  double d_v_step_m = 0.5;
   double d_v_max_m = 3.5;
   double max_diameter_m = 4.0;
   int looks = 4;
   int max_looks = 16;
   double lattice_m = 0.25;
+  int headings = 24;
   double give_up_factor = 4.0;
 
   template <class Self, class Visitor>
@@ -63,9 +63,7 @@ struct ViewpointParams {
                   "directions this near to the vertical say nothing about where to stand", config::between(0.0, 90.0));
     visitor.field("ring", self.ring, "poses tried around an element", config::between(4, 72));
     visitor.field("d_v_m", self.d_v_m, "viewpoints within this path length join a cluster", config::greater_than(0.0));
-    visitor.field("d_v_step_m", self.d_v_step_m, "growth of d_v for a viewpoint that is alone",
-                  config::greater_than(0.0));
-    visitor.field("d_v_max_m", self.d_v_max_m, "largest d_v", config::greater_than(0.0));
+    visitor.field("d_v_max_m", self.d_v_max_m, "the same for a viewpoint that is alone", config::greater_than(0.0));
     visitor.field("max_diameter_m", self.max_diameter_m, "default: longest path between two viewpoints of a cluster",
                   config::greater_than(0.0));
     visitor.field("looks", self.looks, "default: depth images that a viewpoint is meant for", config::between(1, 1000));
@@ -73,6 +71,7 @@ struct ViewpointParams {
                   config::between(1, 1000));
     visitor.field("lattice_m", self.lattice_m, "default: spacing of the poses that are tried",
                   config::between(0.05, 2.0));
+    visitor.field("headings", self.headings, "default: headings tried at each of them", config::between(4, 72));
     visitor.field("give_up_factor", self.give_up_factor,
                   "a voxel that stays unknown after looks worth this many times W_th is below the sensing limit",
                   config::at_least(1.0));

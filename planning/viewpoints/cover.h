@@ -1,0 +1,35 @@
+// SPDX-FileCopyrightText: The arpent authors
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// Few viewpoints that complete much: poses that many elements ask for, and of these a greedy set cover. Preset
+// `default`; the thesis takes one viewpoint per element and merges neighbours (generation.h).
+#pragma once
+
+#include <vector>
+
+#include "planning/viewpoints/free_space.h"
+#include "planning/viewpoints/sight.h"
+#include "planning/viewpoints/viewpoint.h"
+
+namespace arpent::planning {
+
+struct Cover {
+  /// Each element is listed by the viewpoints that complete its unknown voxels. In the order in which they were chosen:
+  /// the first one completes most.
+  std::vector<Viewpoint> viewpoints;
+  /// Elements that no pose tried completes, by index, ascending; those given up (Sight) among them.
+  std::vector<std::uint32_t> left;
+};
+
+/// Poses on a lattice, around each element within 60 degrees of the direction from which it wants to be seen (all round
+/// for steep ones), free and reachable from `robot`. A pose completes an unknown voxel if `looks` from there, of weight
+/// 1/z^2 each, lift it to W_th; what needs more is covered by a second round with `max_looks`. Then one viewpoint after
+/// the other is taken that completes most of what is left (a (1 - 1/e) approximation for any number of them: Nemhauser,
+/// Wolsey and Fisher, "An analysis of approximations for maximizing submodular set functions", 1978).
+[[nodiscard]] Cover cover_elements(const Sight& sight, const FreeSpace& free_space, const Pose2& robot,
+                                   const ViewpointParams& params);
+
+/// Completes `left` as far as these poses can, as one more round of the above would.
+void extend_cover(Cover& cover, const Sight& sight, const std::vector<Pose2>& poses, int looks);
+
+}  // namespace arpent::planning

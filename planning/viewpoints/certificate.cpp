@@ -4,10 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 namespace arpent::planning {
 namespace {
+
+constexpr double kAnyReachM = std::numeric_limits<double>::infinity();
 
 /// Farthest body from which the camera may see a point, on the ground: the corner of the frustum.
 double reach_m(const LevelCamera& camera) {
@@ -88,7 +91,7 @@ Certifier::Answer Certifier::search(const UnknownVoxel& unknown) const {
       const CameraView view(sight_.camera(), poses_[i]);
       if (!view.contains(unknown.centre_m)) continue;
       ++answer.in_view;
-      if (!sight_.shows(view, unknown)) continue;
+      if (!sight_.shows(view, unknown, kAnyReachM)) continue;
       ++answer.in_sight;
       if (unknown.given_up || params_.max_looks * Sight::share_of_look(view, unknown) < 1) continue;
       answer.verdict = Verdict::kCompletable;

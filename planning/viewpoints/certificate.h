@@ -20,7 +20,7 @@ enum class Verdict : std::uint8_t {
   kCompletable,        ///< `poses` complete it
   kOutOfRange,         ///< no pose at all has it in view: too high or too low for a level camera within the range of depth
   kUnreachable,        ///< poses would have it in view, but the robot cannot stand there
-  kOccluded,           ///< it is in view from reachable poses, but always behind something
+  kOccluded,           ///< it is in view from reachable poses, but always behind occupied voxels
   kBelowSensingLimit,  ///< in sight, but looks do not make it known: they weigh too little, or already failed to
 };
 
@@ -37,7 +37,8 @@ struct Certificate {
   int in_sight = 0;
 };
 
-/// Tries every reachable pose of a lattice: positions `lattice_m` apart around all elements, kHeadings headings.
+/// Tries every reachable pose of a lattice: positions `lattice_m` apart around all elements, kHeadings headings. Only
+/// occupied voxels occlude: what is merely unknown may turn out to be empty, so it excuses nothing.
 class Certifier {
  public:
   static constexpr int kHeadings = 12;

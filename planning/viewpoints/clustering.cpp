@@ -65,20 +65,23 @@ std::vector<Pair> near_pairs(std::span<const Viewpoint> viewpoints, const FreeSp
   return pairs;
 }
 
-/// Elements of which every unknown voxel is completed from one of the viewpoints by its own looks.
-std::vector<std::uint32_t> completed_from(std::span<const Viewpoint> viewpoints, const Sight& sight) {
+/// Elements of which every unknown voxel is completed from one of the viewpoints by its own looks, and those that the
+/// viewpoints are there for.
+std::vector<std::uint32_t> completed_from(std::span<const Viewpoint> viewpoints, const Sight& sight,
+                                          double unknown_reach_m) {
+  VoxelSet own;  // may need a longer reach
+  for (const Viewpoint& viewpoint : viewpoints) own.insert(viewpoint.elements.begin(), viewpoint.elements.end());
   std::vector<std::uint8_t> done(sight.unknowns().size());
   for (const Viewpoint& viewpoint : viewpoints) {
-    for (const Look& look : sight.look_at_unknowns(viewpoint.pose)) {
+    for (const Look& look : sight.look_at_unknowns(viewpoint.pose, unknown_reach_m)) {
       if (look.share * static_cast<float>(viewpoint.looks) >= 1) done[look.unknown] = 1;
     }
   }
   std::vector<std::uint32_t> elements;
   for (std::uint32_t i = 0; i < sight.elements().size(); ++i) {
     const auto unknowns = sight.unknowns_of(i);
-    if (std::all_of(unknowns.begin(), unknowns.end(), [&](std::uint32_t u) { return done[u] != 0; })) {
-      elements.push_back(i);
-    }
+    const bool all = std::all_of(unknowns.begin(), unknowns.end(), [&](std::uint32_t u) { return done[u] != 0; });
+    if (all || own.contains(sight.elements()[i].voxel)) elements.push_back(i);
   }
   return elements;
 }
@@ -163,8 +166,8 @@ std::vector<Cluster> make_clusters(std::span<const Viewpoint> viewpoints, const 
       cluster.viewpoints.push_back(viewpoints[i]);
       cluster.centre_m += viewpoints[i].pose.position_m() / static_cast<double>(members.size());
     }
-    const auto counted =
-        params.preset == "thesis" ? seen_from(cluster.viewpoints, sight) : completed_from(cluster.viewpoints, sight);
+    const auto counted = params.preset == "thesis" ? seen_from(cluster.viewpoints, sight)
+                                                   : completed_from(cluster.viewpoints, sight, params.unknown_reach_m);
     for (const std::uint32_t i : counted) cluster.elements.push_back(sight.elements()[i].voxel);
     cluster.gain = static_cast<double>(counted.size()) / static_cast<double>(sight.elements().size());  // eq. 2.1
     clusters.push_back(std::move(cluster));

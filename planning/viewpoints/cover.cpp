@@ -119,27 +119,27 @@ struct Offer {
 };
 
 /// What of the wanted the pose completes.
-Offer offer_of(const Sight& sight, const Pose2& pose, int looks, const std::vector<std::uint8_t>& wanted) {
+Offer offer_of(const Sight& sight, const Pose2& pose, const Effort& effort, const std::vector<std::uint8_t>& wanted) {
   Offer offer;
   float least = std::numeric_limits<float>::infinity();
-  for (const Look& look : sight.look_at_unknowns(pose)) {
-    if (wanted[look.unknown] == 0 || look.share * static_cast<float>(looks) < 1) continue;
+  for (const Look& look : sight.look_at_unknowns(pose, effort.unknown_reach_m)) {
+    if (wanted[look.unknown] == 0 || look.share * static_cast<float>(effort.looks) < 1) continue;
     offer.unknowns.push_back(look.unknown);
     least = std::min(least, look.share);
   }
-  offer.looks = std::clamp(static_cast<int>(std::ceil(1 / least)), 1, looks);
+  offer.looks = std::clamp(static_cast<int>(std::ceil(1 / least)), 1, effort.looks);
   return offer;
 }
 
 /// Greedy set cover. Offers only shrink, so one whose size is up to date and still the largest is the best (lazy
 /// evaluation: Minoux 1978). Returns the chosen poses, by index, with what each completes.
-std::vector<std::pair<std::size_t, Offer>> choose(const Sight& sight, const std::vector<Pose2>& poses, int looks,
-                                                  std::vector<std::uint8_t> wanted) {
+std::vector<std::pair<std::size_t, Offer>> choose(const Sight& sight, const std::vector<Pose2>& poses,
+                                                  const Effort& effort, std::vector<std::uint8_t> wanted) {
   std::vector<Offer> offers;
   using Entry = std::pair<std::size_t, std::ptrdiff_t>;  // size, and minus the index: ties go to the first pose
   std::priority_queue<Entry> queue;
   for (std::size_t i = 0; i < poses.size(); ++i) {
-    offers.push_back(offer_of(sight, poses[i], looks, wanted));
+    offers.push_back(offer_of(sight, poses[i], effort, wanted));
     queue.emplace(offers[i].unknowns.size(), -static_cast<std::ptrdiff_t>(i));
   }
   std::vector<std::pair<std::size_t, Offer>> chosen;
@@ -160,9 +160,9 @@ std::vector<std::pair<std::size_t, Offer>> choose(const Sight& sight, const std:
 
 }  // namespace
 
-void extend_cover(Cover& cover, const Sight& sight, const std::vector<Pose2>& poses, int looks) {
+void extend_cover(Cover& cover, const Sight& sight, const std::vector<Pose2>& poses, const Effort& effort) {
   const std::vector<std::uint8_t> wanted = wanted_of(cover, sight);
-  const auto chosen = choose(sight, poses, looks, wanted);
+  const auto chosen = choose(sight, poses, effort, wanted);
   std::vector<int> completed_by(sight.unknowns().size(), -1);
   for (std::size_t c = 0; c < chosen.size(); ++c) {
     for (const std::uint32_t u : chosen[c].second.unknowns) completed_by[u] = static_cast<int>(c);
@@ -190,7 +190,7 @@ Cover cover_elements(const Sight& sight, const FreeSpace& free_space, const Pose
   for (std::uint32_t i = 0; i < sight.elements().size(); ++i) cover.left.push_back(i);
   for (const int looks : {params.looks, std::max(params.looks, params.max_looks)}) {
     const std::vector<Pose2> poses = Candidates(sight, params).find(cover.left, looks, free_space, robot);
-    extend_cover(cover, sight, poses, looks);
+    extend_cover(cover, sight, poses, {looks, params.unknown_reach_m});
   }
   return cover;
 }

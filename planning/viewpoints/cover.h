@@ -21,6 +21,12 @@ struct Cover {
   std::vector<std::uint32_t> left;
 };
 
+/// What a viewpoint may count on.
+struct Effort {
+  int looks = 1;
+  double unknown_reach_m = 0;  ///< see Sight::look_at_unknowns()
+};
+
 /// Poses on a lattice, around each element within 60 degrees of the direction from which it wants to be seen (all round
 /// for steep ones), free and reachable from `robot`. A pose completes an unknown voxel if `looks` from there, of weight
 /// 1/z^2 each, lift it to W_th; what needs more is covered by a second round with `max_looks`. Then one viewpoint after
@@ -30,6 +36,6 @@ struct Cover {
                                    const ViewpointParams& params);
 
 /// Completes `left` as far as these poses can, as one more round of the above would.
-void extend_cover(Cover& cover, const Sight& sight, const std::vector<Pose2>& poses, int looks);
+void extend_cover(Cover& cover, const Sight& sight, const std::vector<Pose2>& poses, const Effort& effort);
 
 }  // namespace arpent::planning

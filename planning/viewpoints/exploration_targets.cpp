@@ -3,6 +3,7 @@
 #include "planning/viewpoints/exploration_targets.h"
 
 #include <algorithm>
+#include <limits>
 #include <numbers>
 #include <unordered_map>
 
@@ -16,6 +17,10 @@ namespace {
 
 using mapping::TsdfMap;
 using mapping::UnknownRule;
+
+constexpr double kAnyReachM = std::numeric_limits<double>::infinity();
+/// What a look through more unknown space than a viewpoint may count on weighs: it promises less.
+constexpr double kHiddenLook = 0.25;
 
 /// Viewpoints of the `thesis` preset, and which elements have none.
 Cover generate_as_printed(const Sight& sight, const FreeSpace& free_space, const Pose2& robot,
@@ -49,7 +54,7 @@ std::vector<Certificate> settle_the_rest(Cover& cover, const Sight& sight, const
     poses.insert(poses.end(), certificate.poses.begin(), certificate.poses.end());
     if (certificate.verdict != Verdict::kCompletable) remaining.push_back(std::move(certificate));
   }
-  extend_cover(cover, sight, poses, params.max_looks);
+  extend_cover(cover, sight, poses, {params.max_looks, kAnyReachM});
   return remaining;
 }
 
@@ -107,9 +112,10 @@ void ExplorationTargets::update(const TsdfMap& map) {
 void ExplorationTargets::note_look(const TsdfMap& map, const Pose2& pose) {
   const Sight sight(state_->camera, state_->surface, map);
   const CameraView view(state_->camera, pose);
-  for (const Look& look : sight.look_at_unknowns(pose)) {
+  for (const Look& look : sight.look_at_unknowns(pose, kAnyReachM)) {
     const UnknownVoxel& unknown = sight.unknowns()[look.unknown];
-    const double weight = 1 / (unknown.centre_m - view.position_m()).squaredNorm();
+    const bool plain = sight.shows(view, unknown, state_->params.unknown_reach_m);
+    const double weight = (plain ? 1 : kHiddenLook) / (unknown.centre_m - view.position_m()).squaredNorm();
     double& promised = state_->promised[unknown.voxel];
     promised += weight / map.params().known_weight;
     if (promised >= state_->params.give_up_factor) state_->given_up.insert(unknown.voxel);

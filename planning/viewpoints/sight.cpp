@@ -12,13 +12,13 @@ namespace {
 using mapping::BlockClasses;
 using mapping::VoxelClasses;
 
-bool is_empty(const BlockClasses& block, const VoxelIndex& v) {
-  return (block.empty[static_cast<std::size_t>(v.z() & 7)] >> ((v.x() & 7) + 8 * (v.y() & 7)) & 1) != 0;
+bool bit_at(const mapping::BlockBits& bits, const VoxelIndex& v) {
+  return (bits[static_cast<std::size_t>(v.z() & 7)] >> ((v.x() & 7) + 8 * (v.y() & 7)) & 1) != 0;
 }
 
 }  // namespace
 
-bool is_clear(const VoxelClasses& classes, const Eigen::Vector3d& from_voxels, const Eigen::Vector3d& to_voxels) {
+Trace trace(const VoxelClasses& classes, const Eigen::Vector3d& from_voxels, const Eigen::Vector3d& to_voxels) {
   // Amanatides and Woo, "A fast voxel traversal algorithm", Eurographics 1987, from one block to the next by its
   // pointers. Each axis has so many walls to cross and no more: rounding cannot lead past the end.
   constexpr std::array<int, 3> kStride = {1, 3, 9};
@@ -33,17 +33,24 @@ bool is_clear(const VoxelClasses& classes, const Eigen::Vector3d& from_voxels, c
     next[k] = (voxel[k] + (left[k] > 0 ? 1 : 0) - from_voxels[k]) / along;
   }
   const BlockClasses* block = classes.find(mapping::block_of(voxel));
+  Trace met;
+  double entered = 0;
   for (int steps = left.cwiseAbs().sum();; --steps) {
-    if (block == nullptr || !is_empty(*block, voxel)) return false;
-    if (steps == 0) return true;
+    if (block == nullptr || !bit_at(block->empty, voxel)) {
+      met.occupied = block != nullptr && bit_at(block->occupied, voxel);
+      if (met.occupied) return met;
+      met.clear_share = std::min(met.clear_share, entered);
+    }
+    if (steps == 0) return met;
     const int k = next[0] <= next[1] ? (next[0] <= next[2] ? 0 : 2) : (next[1] <= next[2] ? 1 : 2);
     const int step = left[k] > 0 ? 1 : -1;
+    entered = next[k];
     voxel[k] += step;
     left[k] -= step;
     next[k] = left[k] == 0 ? std::numeric_limits<double>::infinity() : next[k] + spacing[k];
-    if ((voxel[k] & 7) == (step > 0 ? 0 : 7)) {
-      block = block->around[static_cast<std::size_t>(mapping::kCentreOfAround + step * kStride[static_cast<std::size_t>(k)])];
-    }
+    if ((voxel[k] & 7) != (step > 0 ? 0 : 7)) continue;
+    const int side = mapping::kCentreOfAround + step * kStride[static_cast<std::size_t>(k)];
+    block = block != nullptr ? block->around[static_cast<std::size_t>(side)] : classes.find(mapping::block_of(voxel));
   }
 }
 
@@ -77,13 +84,17 @@ bool Sight::is_given_up(std::size_t element) const {
   return std::any_of(unknowns.begin(), unknowns.end(), [&](std::uint32_t u) { return unknowns_[u].given_up; });
 }
 
-bool Sight::reaches(const CameraView& view, const Eigen::Vector3d& p_map_m, double stop_short_m) const {
+bool Sight::reaches(const CameraView& view, const Eigen::Vector3d& p_map_m, double stop_short_m,
+                    double unknown_reach_m) const {
   // Nothing nearer than the least depth is seen: there the ray begins.
   const Eigen::Vector3d ray = p_map_m - view.position_m();
   const double begin = camera_.min_range_m / view.depth_m(p_map_m);
   const double end = 1 - stop_short_m / ray.norm();
   if (end <= begin) return true;
-  return is_clear(classes_, (view.position_m() + begin * ray) / voxel_m_, (view.position_m() + end * ray) / voxel_m_);
+  const Trace met =
+      trace(classes_, (view.position_m() + begin * ray) / voxel_m_, (view.position_m() + end * ray) / voxel_m_);
+  if (met.occupied) return false;
+  return met.clear_share >= 1 || (1 - met.clear_share) * (end - begin) * ray.norm() <= unknown_reach_m;
 }
 
 std::vector<std::uint32_t> Sight::see_elements(const Pose2& pose) const {
@@ -91,20 +102,21 @@ std::vector<std::uint32_t> Sight::see_elements(const Pose2& pose) const {
   std::vector<std::uint32_t> seen;
   for (std::uint32_t i = 0; i < elements_.size(); ++i) {
     const Eigen::Vector3d& p = elements_[i].centre_m;
-    if (view.contains(p) && reaches(view, p, 0)) seen.push_back(i);
+    if (view.contains(p) && reaches(view, p, 0, 0)) seen.push_back(i);
   }
   return seen;
 }
 
-bool Sight::shows(const CameraView& view, const UnknownVoxel& unknown) const {
-  return view.contains(unknown.centre_m) && reaches(view, unknown.centre_m, voxel_m_);
+bool Sight::shows(const CameraView& view, const UnknownVoxel& unknown, double unknown_reach_m) const {
+  return view.contains(unknown.centre_m) && reaches(view, unknown.centre_m, voxel_m_, unknown_reach_m);
 }
 
-std::vector<Look> Sight::look_at_unknowns(const Pose2& pose) const {
+std::vector<Look> Sight::look_at_unknowns(const Pose2& pose, double unknown_reach_m) const {
   const CameraView view(camera_, pose);
   std::vector<Look> looks;
   for (std::uint32_t i = 0; i < unknowns_.size(); ++i) {
-    if (shows(view, unknowns_[i])) looks.push_back({i, static_cast<float>(share_of_look(view, unknowns_[i]))});
+    if (!shows(view, unknowns_[i], unknown_reach_m)) continue;
+    looks.push_back({i, static_cast<float>(share_of_look(view, unknowns_[i]))});
   }
   return looks;
 }

@@ -17,10 +17,17 @@ namespace arpent::planning {
 
 using mapping::VoxelIndex;
 
-/// True if every voxel that the segment passes through, both ends included, is known and empty. Ends in voxels, as
-/// map coordinates divided by the voxel's edge.
-[[nodiscard]] bool is_clear(const mapping::VoxelClasses& classes, const Eigen::Vector3d& from_voxels,
-                            const Eigen::Vector3d& to_voxels);
+/// What lies on a segment through the map.
+struct Trace {
+  bool occupied = false;  ///< it meets an occupied voxel; what lies beyond was not looked at
+  /// Where it enters its first voxel that is not known, as a share of its length; 1 if there is none.
+  double clear_share = 1;
+};
+
+/// Walks through every voxel of the segment, both ends included. Ends in voxels: map coordinates divided by the voxel's
+/// edge.
+[[nodiscard]] Trace trace(const mapping::VoxelClasses& classes, const Eigen::Vector3d& from_voxels,
+                          const Eigen::Vector3d& to_voxels);
 
 /// A voxel that must become known before the elements beside it are complete (thesis Def. 3).
 struct UnknownVoxel {
@@ -63,18 +70,21 @@ class Sight {
   [[nodiscard]] std::vector<std::uint32_t> see_elements(const Pose2& pose) const;
 
   /// Unknown voxels that a depth image taken at the pose would say something about, and how much: those to within one
-  /// voxel of which a ray comes through empty space. The weight is the map's, 1/z^2 (thesis Sect. 2.4.1). Ascending.
-  [[nodiscard]] std::vector<Look> look_at_unknowns(const Pose2& pose) const;
+  /// voxel of which a ray comes without meeting an occupied voxel, its last `unknown_reach_m` at most through unknown
+  /// space. (At a frontier the way to an unknown voxel leads past others: the same image tells whether they are empty.)
+  /// The weight is the map's, 1/z^2 (thesis Sect. 2.4.1). Ascending.
+  [[nodiscard]] std::vector<Look> look_at_unknowns(const Pose2& pose, double unknown_reach_m) const;
 
   /// Whether the view shows the unknown voxel, as look_at_unknowns() has it.
-  [[nodiscard]] bool shows(const CameraView& view, const UnknownVoxel& unknown) const;
+  [[nodiscard]] bool shows(const CameraView& view, const UnknownVoxel& unknown, double unknown_reach_m) const;
   /// What one look from there adds.
   [[nodiscard]] static double share_of_look(const CameraView& view, const UnknownVoxel& unknown) {
     return 1.0 / ((unknown.centre_m - view.position_m()).squaredNorm() * unknown.missing_weight);
   }
 
  private:
-  [[nodiscard]] bool reaches(const CameraView& view, const Eigen::Vector3d& p_map_m, double stop_short_m) const;
+  [[nodiscard]] bool reaches(const CameraView& view, const Eigen::Vector3d& p_map_m, double stop_short_m,
+                             double unknown_reach_m) const;
 
   LevelCamera camera_;
   const mapping::VoxelClasses& classes_;

@@ -44,6 +44,7 @@ struct ViewpointParams {
   double max_diameter_m = 4.0;
   int looks = 4;
   int max_looks = 16;
+  double unknown_reach_m = 0.5;
   double lattice_m = 0.25;
   int headings = 24;
   double give_up_factor = 4.0;
@@ -69,6 +70,9 @@ struct ViewpointParams {
     visitor.field("looks", self.looks, "default: depth images that a viewpoint is meant for", config::between(1, 1000));
     visitor.field("max_looks", self.max_looks, "default: the same for elements that need more",
                   config::between(1, 1000));
+    visitor.field("unknown_reach_m", self.unknown_reach_m,
+                  "default: a viewpoint may look this far through unknown space for what it is meant to complete",
+                  config::at_least(0.0));
     visitor.field("lattice_m", self.lattice_m, "default: spacing of the poses that are tried",
                   config::between(0.05, 2.0));
     visitor.field("headings", self.headings, "default: headings tried at each of them", config::between(4, 72));

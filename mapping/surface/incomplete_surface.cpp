@@ -124,12 +124,19 @@ Eigen::Vector3d distance_gradient(const TsdfMap& map, const VoxelIndex& voxel) {
   return gradient;
 }
 
-Eigen::Vector3d direction_of(const VoxelClasses& classes, const TsdfMap& map, const VoxelIndex& voxel) {
+IncompleteElement describe(const VoxelClasses& classes, const TsdfMap& map, const VoxelIndex& voxel) {
   constexpr double kTiny = 1e-6;
-  const Eigen::Vector3d n = away_from_occupied(classes, voxel);
-  if (n.norm() > kTiny) return n.normalized();
-  const Eigen::Vector3d gradient = distance_gradient(map, voxel);  // between two surfaces: away from the nearer one
-  return gradient.norm() > kTiny ? gradient.normalized() : Eigen::Vector3d::UnitZ();
+  const Eigen::Vector3d away = away_from_occupied(classes, voxel), gradient = distance_gradient(map, voxel);
+  IncompleteElement element{.voxel = voxel, .centre_m = map.centre_m(voxel)};
+  element.distance_m = static_cast<double>(map.voxel(voxel).value_or(Voxel{}).distance_m);
+  if (gradient.norm() > kTiny) {
+    element.normal = gradient.normalized();
+  } else if (away.norm() > kTiny) {
+    element.normal = away.normalized();
+  }
+  // Zero between two surfaces: away from the nearer one.
+  element.direction = away.norm() > kTiny ? away.normalized() : element.normal;
+  return element;
 }
 
 }  // namespace
@@ -202,8 +209,7 @@ std::vector<IncompleteElement> IncompleteSurface::elements(const TsdfMap& map) c
   list.reserve(size_);
   for (std::size_t i = 0; i < elements_.size(); ++i) {
     for_each_bit(elements_[i], [&](std::size_t offset) {
-      const VoxelIndex voxel = voxel_at(classes_.blocks()[i]->index, offset);
-      list.push_back({voxel, map.centre_m(voxel), direction_of(classes_, map, voxel)});
+      list.push_back(describe(classes_, map, voxel_at(classes_.blocks()[i]->index, offset)));
     });
   }
   std::sort(list.begin(), list.end(), [](const auto& a, const auto& b) { return before(a.voxel, b.voxel); });

@@ -19,6 +19,10 @@ struct IncompleteElement {
   Eigen::Vector3d centre_m = Eigen::Vector3d::Zero();
   /// Unit vector nbar_v away from the occupied side (thesis Sect. 2.4.2): from there it wants to be seen.
   Eigen::Vector3d direction = Eigen::Vector3d::UnitZ();
+  /// Unit normal of the surface as the distances beside the voxel have it (towards empty space): unlike the direction,
+  /// not drawn towards the unknown side. And the voxel's distance from the surface.
+  Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();
+  double distance_m = 0;
 };
 
 /// The order in which elements are listed: by z, then y, then x.

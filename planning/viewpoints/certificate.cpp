@@ -94,11 +94,13 @@ Certifier::Answer Certifier::search(const UnknownVoxel& unknown) const {
       if (!sight_.shows(view, unknown, kAnyReachM)) continue;
       ++answer.in_sight;
       if (unknown.given_up || params_.max_looks * Sight::share_of_look(view, unknown) < 1) continue;
+      const bool sure = sight_.measures(view, unknown);
+      if (sure || answer.verdict != Verdict::kCompletable) answer.pose = poses_[i];
       answer.verdict = Verdict::kCompletable;
-      answer.pose = poses_[i];
-      return answer;
+      if (sure) return answer;
     }
   }
+  if (answer.verdict == Verdict::kCompletable) return answer;
   answer.verdict = answer.in_sight > 0  ? Verdict::kBelowSensingLimit
                    : answer.in_view > 0 ? Verdict::kOccluded
                                         : Verdict::kUnreachable;

@@ -3,6 +3,7 @@
 #include "planning/viewpoints/cover.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -16,9 +17,14 @@ namespace {
 
 using std::numbers::pi;
 
-/// An element asks for no more poses than this once so many of them are free.
-constexpr std::size_t kPosesPerElement = 3;
-constexpr double kWidestRad = pi / 3;
+struct Round {
+  std::size_t poses_per_element;  ///< free ones that an element may ask for
+  double widest_rad;              ///< from the direction from which it wants to be seen
+  std::size_t least_worth;
+  bool all_looks;
+};
+/// Most elements are served by the first round, from the poses that serve many.
+constexpr std::array<Round, 3> kRounds = {{{1, pi / 3, 8, false}, {3, pi / 3, 3, false}, {6, pi, 1, true}}};
 /// Beside the least stand-off, one this much farther, from which more elements are in view.
 constexpr double kFartherM = 0.8;
 
@@ -33,12 +39,12 @@ class Candidates {
   Candidates(const Sight& sight, const ViewpointParams& params) : sight_(sight), params_(params) {}
 
   /// Free and reachable poses, each asked for by at least one element of `left`; a fixed order.
-  std::vector<Pose2> find(const std::vector<std::uint32_t>& left, int looks, const FreeSpace& free_space,
+  std::vector<Pose2> find(const std::vector<std::uint32_t>& left, const Round& round, const FreeSpace& free_space,
                           const Pose2& robot) {
     std::vector<std::vector<Node>> asked;
     std::map<Node, int> votes;
     for (const std::uint32_t element : left) {
-      asked.push_back(nodes_around(sight_.elements()[element], looks));
+      asked.push_back(nodes_around(sight_.elements()[element], round));
       for (const Node& node : asked.back()) ++votes[node];
     }
     std::map<Node, bool> free;
@@ -46,7 +52,7 @@ class Candidates {
     for (auto& nodes : asked) {
       std::stable_sort(nodes.begin(), nodes.end(), [&](const Node& a, const Node& b) { return votes[a] > votes[b]; });
       std::size_t found = 0;
-      for (std::size_t i = 0; i < nodes.size() && found < kPosesPerElement; ++i) {
+      for (std::size_t i = 0; i < nodes.size() && found < round.poses_per_element; ++i) {
         const auto [entry, fresh] = free.try_emplace(nodes[i]);
         if (fresh) entry->second = free_space.is_free(pose_of(nodes[i]));
         if (!entry->second) continue;
@@ -70,7 +76,9 @@ class Candidates {
             wrap_angle(2 * pi * node.heading / params_.headings)};
   }
 
-  [[nodiscard]] std::vector<Node> nodes_around(const mapping::IncompleteElement& element, int looks) const {
+  [[nodiscard]] std::vector<Node> nodes_around(const mapping::IncompleteElement& element,
+                                               const Round& round) const {
+    const int looks = round.all_looks ? params_.max_looks : params_.looks;
     const LevelCamera& camera = sight_.camera();
     const double height_m = std::abs(element.centre_m.z() - camera.p_body_m.z());
     // A voxel more than the element itself needs: its unknown neighbour may be above it.
@@ -82,7 +90,7 @@ class Candidates {
     const bool steep = is_steep(element, params_.steep_angle_deg);
     const double first = std::atan2(element.direction.y(), element.direction.x());
     for (const double azimuth : azimuths_around(element, params_.ring)) {
-      if (!steep && std::abs(wrap_angle(azimuth - first)) > kWidestRad + 1e-9) continue;
+      if (!steep && std::abs(wrap_angle(azimuth - first)) > round.widest_rad + 1e-9) continue;
       for (const double distance_m : {least_m, least_m + kFartherM}) {
         if (distance_m > least_m && distance_m > most_m) continue;
         nodes.push_back(node_of(look_at(camera, element.centre_m, azimuth, distance_m)));
@@ -122,8 +130,8 @@ struct Offer {
 Offer offer_of(const Sight& sight, const Pose2& pose, const Effort& effort, const std::vector<std::uint8_t>& wanted) {
   Offer offer;
   float least = std::numeric_limits<float>::infinity();
-  for (const Look& look : sight.look_at_unknowns(pose, effort.unknown_reach_m)) {
-    if (wanted[look.unknown] == 0 || look.share * static_cast<float>(effort.looks) < 1) continue;
+  for (const Look& look : sight.look_at_unknowns(pose, effort.unknown_reach_m, wanted)) {
+    if (look.share * static_cast<float>(effort.looks) < 1) continue;
     offer.unknowns.push_back(look.unknown);
     least = std::min(least, look.share);
   }
@@ -143,7 +151,7 @@ std::vector<std::pair<std::size_t, Offer>> choose(const Sight& sight, const std:
     queue.emplace(offers[i].unknowns.size(), -static_cast<std::ptrdiff_t>(i));
   }
   std::vector<std::pair<std::size_t, Offer>> chosen;
-  while (!queue.empty() && queue.top().first > 0) {
+  while (!queue.empty() && queue.top().first >= effort.least_worth) {
     const auto [size, minus] = queue.top();
     queue.pop();
     const auto i = static_cast<std::size_t>(-minus);
@@ -188,9 +196,10 @@ Cover cover_elements(const Sight& sight, const FreeSpace& free_space, const Pose
                      const ViewpointParams& params) {
   Cover cover;
   for (std::uint32_t i = 0; i < sight.elements().size(); ++i) cover.left.push_back(i);
-  for (const int looks : {params.looks, std::max(params.looks, params.max_looks)}) {
-    const std::vector<Pose2> poses = Candidates(sight, params).find(cover.left, looks, free_space, robot);
-    extend_cover(cover, sight, poses, {looks, params.unknown_reach_m});
+  for (const Round& round : kRounds) {
+    const std::vector<Pose2> poses = Candidates(sight, params).find(cover.left, round, free_space, robot);
+    const int looks = round.all_looks ? params.max_looks : params.looks;
+    extend_cover(cover, sight, poses, {looks, params.unknown_reach_m, round.least_worth});
   }
   return cover;
 }

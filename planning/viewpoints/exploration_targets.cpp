@@ -19,8 +19,9 @@ using mapping::TsdfMap;
 using mapping::UnknownRule;
 
 constexpr double kAnyReachM = std::numeric_limits<double>::infinity();
-/// What a look through more unknown space than a viewpoint may count on weighs: it promises less.
-constexpr double kHiddenLook = 0.25;
+/// What a look weighs that no viewpoint would count on, because it leads through much unknown space or past the surface
+/// that is known: it promises less.
+constexpr double kDoubtfulLook = 0.25;
 
 /// Viewpoints of the `thesis` preset, and which elements have none.
 Cover generate_as_printed(const Sight& sight, const FreeSpace& free_space, const Pose2& robot,
@@ -41,6 +42,25 @@ Cover generate_as_printed(const Sight& sight, const FreeSpace& free_space, const
   return cover;
 }
 
+bool shows_all(const Sight& sight, std::uint32_t element, const Pose2& pose) {
+  const CameraView view(sight.camera(), pose);
+  const auto unknowns = sight.unknowns_of(element);
+  return std::all_of(unknowns.begin(), unknowns.end(),
+                     [&](std::uint32_t u) { return sight.shows(view, sight.unknowns()[u], kAnyReachM); });
+}
+
+/// Viewpoints from which no more is known than that the element would be in sight: the attempt is what settles it.
+void add_attempt(std::vector<Viewpoint>& attempts, const Sight& sight, std::uint32_t element,
+                 const std::vector<Pose2>& poses, int looks) {
+  const VoxelIndex& voxel = sight.elements()[element].voxel;
+  for (Viewpoint& attempt : attempts) {
+    if (!shows_all(sight, element, attempt.pose)) continue;
+    attempt.elements.push_back(voxel);
+    return;
+  }
+  for (const Pose2& pose : poses) attempts.push_back({pose, {voxel}, looks});
+}
+
 /// Elements that the usual poses left but that some pose completes become the last viewpoints; the others are what
 /// remains, with the reason.
 std::vector<Certificate> settle_the_rest(Cover& cover, const Sight& sight, const FreeSpace& free_space,
@@ -49,12 +69,23 @@ std::vector<Certificate> settle_the_rest(Cover& cover, const Sight& sight, const
   if (cover.left.empty()) return remaining;
   const Certifier certifier(sight, free_space, robot, params);
   std::vector<Pose2> poses;
+  std::unordered_map<std::uint32_t, std::vector<Pose2>> poses_of;
   for (const std::uint32_t element : cover.left) {
     Certificate certificate = certifier.judge(element);
     poses.insert(poses.end(), certificate.poses.begin(), certificate.poses.end());
-    if (certificate.verdict != Verdict::kCompletable) remaining.push_back(std::move(certificate));
+    if (certificate.verdict == Verdict::kCompletable) {
+      poses_of.emplace(element, std::move(certificate.poses));
+    } else {
+      remaining.push_back(std::move(certificate));
+    }
   }
   extend_cover(cover, sight, poses, {params.max_looks, kAnyReachM});
+  std::vector<Viewpoint> attempts;
+  for (const std::uint32_t element : cover.left) {
+    const auto found = poses_of.find(element);
+    if (found != poses_of.end()) add_attempt(attempts, sight, element, found->second, params.max_looks);
+  }
+  cover.viewpoints.insert(cover.viewpoints.end(), attempts.begin(), attempts.end());
   return remaining;
 }
 
@@ -112,10 +143,10 @@ void ExplorationTargets::update(const TsdfMap& map) {
 void ExplorationTargets::note_look(const TsdfMap& map, const Pose2& pose) {
   const Sight sight(state_->camera, state_->surface, map);
   const CameraView view(state_->camera, pose);
-  for (const Look& look : sight.look_at_unknowns(pose, kAnyReachM)) {
-    const UnknownVoxel& unknown = sight.unknowns()[look.unknown];
-    const bool plain = sight.shows(view, unknown, state_->params.unknown_reach_m);
-    const double weight = (plain ? 1 : kHiddenLook) / (unknown.centre_m - view.position_m()).squaredNorm();
+  for (const UnknownVoxel& unknown : sight.unknowns()) {
+    if (!sight.shows(view, unknown, kAnyReachM)) continue;
+    const bool sure = sight.measures(view, unknown) && sight.shows(view, unknown, state_->params.unknown_reach_m);
+    const double weight = (sure ? 1 : kDoubtfulLook) / (unknown.centre_m - view.position_m()).squaredNorm();
     double& promised = state_->promised[unknown.voxel];
     promised += weight / map.params().known_weight;
     if (promised >= state_->params.give_up_factor) state_->given_up.insert(unknown.voxel);

@@ -71,7 +71,9 @@ Sight::Sight(const LevelCamera& camera, const mapping::IncompleteSurface& surfac
         const double weight = seen ? static_cast<double>(seen->weight) : 0.0;
         // Never zero: a voxel a rounding short of known still needs a look.
         const double missing = std::max(map.params().known_weight - weight, 1e-6);
-        unknowns_.push_back({voxel, map.centre_m(voxel), missing, given_up.contains(voxel)});
+        const Eigen::Vector3d centre_m = map.centre_m(voxel);
+        const double above_m = element.distance_m + element.normal.dot(centre_m - element.centre_m);
+        unknowns_.push_back({voxel, centre_m, missing, given_up.contains(voxel), element.normal, above_m});
       }
       members_.push_back(entry->second);
     }
@@ -107,15 +109,25 @@ std::vector<std::uint32_t> Sight::see_elements(const Pose2& pose) const {
   return seen;
 }
 
+bool Sight::measures(const CameraView& view, const UnknownVoxel& unknown) const {
+  if (unknown.above_surface_m <= 0) return true;
+  // Per unit of the ray that ends in the voxel, the height above the plane falls by this much.
+  const double fall_m = unknown.normal.dot(view.position_m() - unknown.centre_m);
+  const double camera_above_m = unknown.above_surface_m + fall_m;
+  return fall_m > 0 && view.depth_m(unknown.centre_m) * camera_above_m <= camera_.max_range_m * fall_m;
+}
+
 bool Sight::shows(const CameraView& view, const UnknownVoxel& unknown, double unknown_reach_m) const {
   return view.contains(unknown.centre_m) && reaches(view, unknown.centre_m, voxel_m_, unknown_reach_m);
 }
 
-std::vector<Look> Sight::look_at_unknowns(const Pose2& pose, double unknown_reach_m) const {
+std::vector<Look> Sight::look_at_unknowns(const Pose2& pose, double unknown_reach_m,
+                                           std::span<const std::uint8_t> wanted) const {
   const CameraView view(camera_, pose);
   std::vector<Look> looks;
   for (std::uint32_t i = 0; i < unknowns_.size(); ++i) {
-    if (!shows(view, unknowns_[i], unknown_reach_m)) continue;
+    if (!wanted.empty() && wanted[i] == 0) continue;
+    if (!measures(view, unknowns_[i]) || !shows(view, unknowns_[i], unknown_reach_m)) continue;
     looks.push_back({i, static_cast<float>(share_of_look(view, unknowns_[i]))});
   }
   return looks;

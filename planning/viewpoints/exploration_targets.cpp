@@ -19,9 +19,8 @@ using mapping::TsdfMap;
 using mapping::UnknownRule;
 
 constexpr double kAnyReachM = std::numeric_limits<double>::infinity();
-/// What a look weighs that no viewpoint would count on, because it leads through much unknown space or past the surface
-/// that is known: it promises less.
-constexpr double kDoubtfulLook = 0.25;
+/// A look is taken at a viewpoint if it is within so much of its heading.
+constexpr double kAtHeadingRad = 0.26;
 
 /// Viewpoints of the `thesis` preset, and which elements have none.
 Cover generate_as_printed(const Sight& sight, const FreeSpace& free_space, const Pose2& robot,
@@ -73,12 +72,13 @@ std::vector<Certificate> settle_the_rest(Cover& cover, const Sight& sight, const
   for (const std::uint32_t element : cover.left) {
     Certificate certificate = certifier.judge(element);
     poses.insert(poses.end(), certificate.poses.begin(), certificate.poses.end());
-    if (certificate.verdict == Verdict::kCompletable) {
+    if (certificate.verdict == Verdict::kCompletable && params.preset != "thesis") {
       poses_of.emplace(element, std::move(certificate.poses));
     } else {
       remaining.push_back(std::move(certificate));
     }
   }
+  if (params.preset == "thesis") return remaining;  // no viewpoints but those of the equations
   extend_cover(cover, sight, poses, {params.max_looks, kAnyReachM});
   std::vector<Viewpoint> attempts;
   for (const std::uint32_t element : cover.left) {
@@ -116,6 +116,8 @@ struct ExplorationTargets::State {
   int next_id = 0;
 
   void keep_ids(std::vector<Cluster>& clusters);
+  /// Unknown voxels for which the last plan has a viewpoint at this pose.
+  [[nodiscard]] VoxelSet meant_from(const TsdfMap& map, const Pose2& pose) const;
 };
 
 ExplorationTargets::ExplorationTargets(const ViewpointParams& params, const LevelCamera& camera,
@@ -143,10 +145,13 @@ void ExplorationTargets::update(const TsdfMap& map) {
 void ExplorationTargets::note_look(const TsdfMap& map, const Pose2& pose) {
   const Sight sight(state_->camera, state_->surface, map);
   const CameraView view(state_->camera, pose);
+  const VoxelSet meant = state_->meant_from(map, pose);
+  const bool literal = state_->params.preset == "thesis";
   for (const UnknownVoxel& unknown : sight.unknowns()) {
-    if (!sight.shows(view, unknown, kAnyReachM)) continue;
     const bool sure = sight.measures(view, unknown) && sight.shows(view, unknown, state_->params.unknown_reach_m);
-    const double weight = (sure ? 1 : kDoubtfulLook) / (unknown.centre_m - view.position_m()).squaredNorm();
+    const bool tried = meant.contains(unknown.voxel) && (literal || sight.shows(view, unknown, kAnyReachM));
+    if (!sure && !tried) continue;
+    const double weight = 1 / (unknown.centre_m - view.position_m()).squaredNorm();
     double& promised = state_->promised[unknown.voxel];
     promised += weight / map.params().known_weight;
     if (promised >= state_->params.give_up_factor) state_->given_up.insert(unknown.voxel);
@@ -167,6 +172,22 @@ Targets ExplorationTargets::plan(const TsdfMap& map, const FreeSpace& free_space
   targets.clusters = make_clusters(cover.viewpoints, partition, sight, params);
   state_->keep_ids(targets.clusters);
   return targets;
+}
+
+VoxelSet ExplorationTargets::State::meant_from(const TsdfMap& map, const Pose2& pose) const {
+  VoxelSet meant;
+  for (const Cluster& cluster : last) {
+    for (const Viewpoint& viewpoint : cluster.viewpoints) {
+      if ((viewpoint.pose.position_m() - pose.position_m()).norm() > params.lattice_m) continue;
+      if (std::abs(wrap_angle(viewpoint.pose.yaw_rad - pose.yaw_rad)) > kAtHeadingRad) continue;
+      for (const VoxelIndex& element : viewpoint.elements) {
+        if (!surface.contains(element)) continue;
+        const auto unknown = surface.unknown_beside(element, map);
+        meant.insert(unknown.begin(), unknown.end());
+      }
+    }
+  }
+  return meant;
 }
 
 void ExplorationTargets::State::keep_ids(std::vector<Cluster>& clusters) {

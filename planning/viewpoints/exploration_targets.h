@@ -22,6 +22,7 @@ struct Targets {
   std::size_t elements = 0;  ///< |C|: all incomplete elements
   std::vector<Cluster> clusters;
   /// Elements for which there is no viewpoint, each with the reason: the remaining surface. In the elements' order.
+  /// With preset `thesis` the reason may be that the equations have none though a pose would complete the element.
   std::vector<Certificate> remaining;
 };
 
@@ -38,8 +39,9 @@ class ExplorationTargets {
   /// `planning`, ise.update_ms).
   void update(const mapping::TsdfMap& map);
 
-  /// Notes that a depth image taken at `pose` is in the map (after update()). Unknown voxels that it should have made
-  /// known, and that many more such looks do not, are given up: below the sensing limit.
+  /// Notes that a depth image taken at `pose` is in the map (after update()). Voxels that stay unknown though looks that
+  /// should have measured them, or were taken at the viewpoints meant for them, add up to give_up_factor times W_th, are
+  /// given up: below the sensing limit. Without this, what the camera cannot measure would be visited for ever.
   void note_look(const mapping::TsdfMap& map, const Pose2& pose);
 
   /// Clusters and remaining elements for a robot at `robot`. A cluster that has at least half of its elements in common

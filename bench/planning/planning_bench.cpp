@@ -6,7 +6,6 @@
 #include "bench/planning/viewpoint_rows.h"
 
 int main(int argc, char** argv) {
-  return arpent::bench::run(argc, argv, "Planning", [](arpent::bench::Report& report) {
-    arpent::bench::viewpoint_rows(report);
-  });
+  return arpent::bench::run(argc, argv, "Planning",
+                            [](arpent::bench::Report& report) { arpent::bench::viewpoint_rows(report); });
 }

@@ -90,7 +90,8 @@ void measure_gain(Report& report, const std::string& suffix, const Room& room, c
   std::vector<double> seen_ms, looks_ms;
   for (const auto& viewpoint : cover.viewpoints) {
     seen_ms.push_back(cpu_ms([&] { (void)sight.see_elements(viewpoint.pose); }));
-    looks_ms.push_back(cpu_ms([&] { (void)sight.look_at_unknowns(viewpoint.pose, ViewpointParams{}.unknown_reach_m); }));
+    looks_ms.push_back(
+        cpu_ms([&] { (void)sight.look_at_unknowns(viewpoint.pose, ViewpointParams{}.unknown_reach_m); }));
   }
   const double ms = std::max(median(seen_ms), median(looks_ms));
   report.add("gain.ms_per_viewpoint" + suffix, ms, "ms", "the slower of both ways of counting");

@@ -48,8 +48,7 @@ const char* to_text(Verdict verdict) {
   return "";
 }
 
-Certifier::Certifier(const Sight& sight, const FreeSpace& free_space, const Pose2& robot,
-                     const ViewpointParams& params)
+Certifier::Certifier(const Sight& sight, const FreeSpace& free_space, const Pose2& robot, const ViewpointParams& params)
     : sight_(sight),
       params_(params),
       offsets_(cells_within(static_cast<int>(std::ceil(reach_m(sight.camera()) / params.lattice_m)) + 1)) {

@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
 // Why an incomplete element stays incomplete: whether any pose that the robot can reach would complete it and, if none
-// would, the reason and how many poses were tried (the thesis's remaining surface C_rem, Def. 2). A mission may end when
-// every element left has such a reason.
+// would, the reason and how many poses were tried (the thesis's remaining surface C_rem, Def. 2). A mission may end
+// when every element left has such a reason.
 #pragma once
 
 #include <map>
@@ -17,10 +17,10 @@
 namespace arpent::planning {
 
 enum class Verdict : std::uint8_t {
-  kCompletable,        ///< `poses` complete it
-  kOutOfRange,         ///< no pose at all has it in view: too high or too low for a level camera within the range of depth
-  kUnreachable,        ///< poses would have it in view, but the robot cannot stand there
-  kOccluded,           ///< it is in view from reachable poses, but always behind occupied voxels
+  kCompletable,  ///< `poses` complete it
+  kOutOfRange,   ///< no pose at all has it in view: too high or too low for a level camera within the range of depth
+  kUnreachable,  ///< poses would have it in view, but the robot cannot stand there
+  kOccluded,     ///< it is in view from reachable poses, but always behind occupied voxels
   kBelowSensingLimit,  ///< in sight, but looks do not make it known: they weigh too little, or already failed to
 };
 

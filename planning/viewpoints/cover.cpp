@@ -76,8 +76,7 @@ class Candidates {
             wrap_angle(2 * pi * node.heading / params_.headings)};
   }
 
-  [[nodiscard]] std::vector<Node> nodes_around(const mapping::IncompleteElement& element,
-                                               const Round& round) const {
+  [[nodiscard]] std::vector<Node> nodes_around(const mapping::IncompleteElement& element, const Round& round) const {
     const int looks = round.all_looks ? params_.max_looks : params_.looks;
     const LevelCamera& camera = sight_.camera();
     const double height_m = std::abs(element.centre_m.z() - camera.p_body_m.z());

@@ -162,8 +162,8 @@ Targets ExplorationTargets::plan(const TsdfMap& map, const FreeSpace& free_space
   const ViewpointParams& params = state_->params;
   const Sight sight(state_->camera, state_->surface, map, state_->given_up);
   const bool thesis = params.preset == "thesis";
-  Cover cover = thesis ? generate_as_printed(sight, free_space, robot, params)
-                       : cover_elements(sight, free_space, robot, params);
+  Cover cover =
+      thesis ? generate_as_printed(sight, free_space, robot, params) : cover_elements(sight, free_space, robot, params);
   Targets targets;
   targets.elements = sight.elements().size();
   targets.remaining = settle_the_rest(cover, sight, free_space, robot, params);

@@ -39,9 +39,10 @@ class ExplorationTargets {
   /// `planning`, ise.update_ms).
   void update(const mapping::TsdfMap& map);
 
-  /// Notes that a depth image taken at `pose` is in the map (after update()). Voxels that stay unknown though looks that
-  /// should have measured them, or were taken at the viewpoints meant for them, add up to give_up_factor times W_th, are
-  /// given up: below the sensing limit. Without this, what the camera cannot measure would be visited for ever.
+  /// Notes that a depth image taken at `pose` is in the map (after update()). Voxels that stay unknown though looks
+  /// that should have measured them, or were taken at the viewpoints meant for them, add up to give_up_factor times
+  /// W_th, are given up: below the sensing limit. Without this, what the camera cannot measure would be visited for
+  /// ever.
   void note_look(const mapping::TsdfMap& map, const Pose2& pose);
 
   /// Clusters and remaining elements for a robot at `robot`. A cluster that has at least half of its elements in common

@@ -25,9 +25,7 @@ double LevelCamera::stand_off_for_height_m(double above_camera_m) const {
 }
 
 CameraView::CameraView(const LevelCamera& camera, const Pose2& pose)
-    : camera_(camera),
-      position_m_(camera.position_m(pose)),
-      forward_(std::cos(pose.yaw_rad), std::sin(pose.yaw_rad)) {}
+    : camera_(camera), position_m_(camera.position_m(pose)), forward_(std::cos(pose.yaw_rad), std::sin(pose.yaw_rad)) {}
 
 LevelCamera make_level_camera(const RectifiedStereo& stereo, const Pose& T_body_cam, double min_range_m,
                               double max_range_m) {

@@ -16,7 +16,7 @@ struct LevelCamera {
   /// Slopes (tangents) of the image borders seen from the left camera, all positive.
   double left_slope = 0, right_slope = 0, up_slope = 0, down_slope = 0;
   double baseline_m = 0;
-  double min_range_m = 0.3, max_range_m = 5.0;        ///< of depth, along the optical axis
+  double min_range_m = 0.3, max_range_m = 5.0;         ///< of depth, along the optical axis
   Eigen::Vector3d p_body_m = Eigen::Vector3d::Zero();  ///< left camera in the body's frame, whose z = 0 is the ground
 
   /// Middle of the pair on the ground, in the body's frame.

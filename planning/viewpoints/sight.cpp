@@ -122,7 +122,7 @@ bool Sight::shows(const CameraView& view, const UnknownVoxel& unknown, double un
 }
 
 std::vector<Look> Sight::look_at_unknowns(const Pose2& pose, double unknown_reach_m,
-                                           std::span<const std::uint8_t> wanted) const {
+                                          std::span<const std::uint8_t> wanted) const {
   const CameraView view(camera_, pose);
   std::vector<Look> looks;
   for (std::uint32_t i = 0; i < unknowns_.size(); ++i) {

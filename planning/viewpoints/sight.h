@@ -72,17 +72,17 @@ class Sight {
   /// Sect. 2.4.3; elements are empty voxels, so a ray that "touches" one has crossed it). Ascending.
   [[nodiscard]] std::vector<std::uint32_t> see_elements(const Pose2& pose) const;
 
-  /// Unknown voxels that a depth image taken at the pose would say something about, and how much: those that it measures
-  /// (see below) and to within one voxel of which a ray comes without meeting an occupied voxel, its last `unknown_reach_m` at most through unknown
-  /// space. (At a frontier the way to an unknown voxel leads past others: the same image tells whether they are empty.)
-  /// The weight is the map's, 1/z^2 (thesis Sect. 2.4.1). Ascending. Unless it is empty, only unknowns with a flag in
-  /// `wanted` are looked at.
+  /// Unknown voxels that a depth image taken at the pose would say something about, and how much: those that it
+  /// measures (see below) and to within one voxel of which a ray comes without meeting an occupied voxel, its last
+  /// `unknown_reach_m` at most through unknown space. (At a frontier the way to an unknown voxel leads past others: the
+  /// same image tells whether they are empty.) The weight is the map's, 1/z^2 (thesis Sect. 2.4.1). Ascending. Unless
+  /// it is empty, only unknowns with a flag in `wanted` are looked at.
   [[nodiscard]] std::vector<Look> look_at_unknowns(const Pose2& pose, double unknown_reach_m,
                                                    std::span<const std::uint8_t> wanted = {}) const;
 
-  /// Whether a ray through the unknown voxel meets the surface beside it, taken to go on as a plane, within the range of
-  /// depth. Beyond it there is no depth, and nothing is learned of the voxels before it either: near the floor, a level
-  /// camera measures only what is close.
+  /// Whether a ray through the unknown voxel meets the surface beside it, taken to go on as a plane, within the range
+  /// of depth. Beyond it there is no depth, and nothing is learned of the voxels before it either: near the floor, a
+  /// level camera measures only what is close.
   [[nodiscard]] bool measures(const CameraView& view, const UnknownVoxel& unknown) const;
   /// Whether the view shows the unknown voxel: it is in view, and a ray comes to it as look_at_unknowns() says.
   [[nodiscard]] bool shows(const CameraView& view, const UnknownVoxel& unknown, double unknown_reach_m) const;

@@ -91,9 +91,8 @@ void disturb(TsdfMap& map, std::mt19937& random) {
   std::uniform_int_distribution<int> centre(-20, 20), coin(0, 9);
   std::uniform_real_distribution<float> distance(-0.2F, 0.2F), weight(0.0F, 1.0F);
   const VoxelIndex at(centre(random), centre(random), centre(random));
-  fill(map, at, at + VoxelIndex(6, 5, 4), [&](const VoxelIndex&) {
-    return std::pair(distance(random), coin(random) == 0 ? 0.0F : weight(random));
-  });
+  fill(map, at, at + VoxelIndex(6, 5, 4),
+       [&](const VoxelIndex&) { return std::pair(distance(random), coin(random) == 0 ? 0.0F : weight(random)); });
 }
 
 TEST(IncompleteSurface, IsDefinitionOneReadLiterally) {
@@ -166,7 +165,8 @@ TEST(IncompleteSurface, AFloorIsIncompleteAlongItsFrontier) {
 
 TEST(IncompleteSurface, OnlyTheRegionOfInterestCounts) {
   const TsdfMap map = make_half_floor();
-  IncompleteSurface surface(UnknownRule::kSignChange, Eigen::AlignedBox3d(Eigen::Vector3d(0.3, -9, -9), Eigen::Vector3d(9, 0, 9)));
+  IncompleteSurface surface(UnknownRule::kSignChange,
+                            Eigen::AlignedBox3d(Eigen::Vector3d(0.3, -9, -9), Eigen::Vector3d(9, 0, 9)));
   surface.update(map);
   EXPECT_EQ(voxels_of(surface, map), (Voxels{{3, -4, 0}, {3, -3, 0}, {3, -2, 0}, {3, -1, 0}}));
 }
@@ -192,8 +192,8 @@ TEST(IncompleteSurface, OverAHalfSpaceTheDirectionIsItsNormal) {
   IncompleteSurface of_wall;
   of_wall.update(wall);
   const auto elements = of_wall.elements(wall);
-  const auto found = std::find_if(elements.begin(), elements.end(),
-                                  [](const auto& e) { return e.voxel == VoxelIndex(0, 0, 0); });
+  const auto found =
+      std::find_if(elements.begin(), elements.end(), [](const auto& e) { return e.voxel == VoxelIndex(0, 0, 0); });
   ASSERT_NE(found, elements.end());
   EXPECT_LT((found->direction - Eigen::Vector3d::UnitX()).norm(), 1e-9);
 }

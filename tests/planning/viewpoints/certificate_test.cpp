@@ -14,8 +14,8 @@ namespace arpent::planning {
 namespace {
 
 struct Room {
-  Eigen::Vector3d hole_m{6.1, 0.1, 0.5};                   ///< unknown voxel in the wall, right behind the element
-  Eigen::AlignedBox3d obstacle = Eigen::AlignedBox3d();    ///< occupied, if not empty
+  Eigen::Vector3d hole_m{6.1, 0.1, 0.5};                 ///< unknown voxel in the wall, right behind the element
+  Eigen::AlignedBox3d obstacle = Eigen::AlignedBox3d();  ///< occupied, if not empty
   double height_m = 2.4;
   double free_until_m = 5.4;  ///< where the robot may stand
   double start_m = 0;

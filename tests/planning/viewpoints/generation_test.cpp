@@ -89,8 +89,8 @@ std::vector<Viewpoint> viewpoints_at(const std::vector<Pose2>& poses) {
 constexpr double kDegree = pi / 180;
 
 TEST(Merging, TakesTheMeanOfNearAndNearlyParallelViewpoints) {
-  const auto merged = merge_viewpoints(viewpoints_at({{1, 0, 0}, {1.2, 0.1, 10 * kDegree}}), 0.4, 15 * kDegree,
-                                       OpenGround());
+  const auto merged =
+      merge_viewpoints(viewpoints_at({{1, 0, 0}, {1.2, 0.1, 10 * kDegree}}), 0.4, 15 * kDegree, OpenGround());
   ASSERT_EQ(merged.size(), 1U);
   EXPECT_NEAR(merged[0].pose.x_m, 1.1, 1e-12);
   EXPECT_NEAR(merged[0].pose.y_m, 0.05, 1e-12);

@@ -31,8 +31,8 @@ TEST(LevelCamera, ContainsWhatBothCamerasProjectIntoTheirImages) {
     const Eigen::Vector3d p(at(random), at(random), height(random));
     const Eigen::Vector3d p_left = (pose.to_pose() * T_body_rig()).inverse() * p;
     const Eigen::Vector3d p_right = p_left - Eigen::Vector3d(stereo.baseline_m, 0, 0);
-    const bool expected = p_left.z() >= 0.3 && p_left.z() <= 5.0 && in_image(stereo.camera, p_left) &&
-                          in_image(stereo.camera, p_right);
+    const bool expected =
+        p_left.z() >= 0.3 && p_left.z() <= 5.0 && in_image(stereo.camera, p_left) && in_image(stereo.camera, p_right);
     ASSERT_EQ(CameraView(camera, pose).contains(p), expected) << p.transpose();
     inside += expected ? 1 : 0;
   }

@@ -64,8 +64,8 @@ TEST(Trace, MeetsWhatDenseSamplesOfTheSegmentMeet) {
 
 TEST(Trace, TellsWhereTheUnknownBegins) {
   const Eigen::AlignedBox3d box(Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(2, 2, 2));
-  const auto map = make_scene(
-      box, [](const Eigen::Vector3d& p) { return p.x() < 1 ? Content::kEmpty : Content::kUnknown; });
+  const auto map =
+      make_scene(box, [](const Eigen::Vector3d& p) { return p.x() < 1 ? Content::kEmpty : Content::kUnknown; });
   mapping::VoxelClasses classes;
   classes.update(map);
   // Voxels 0 .. 4 along x are empty: from 0.5 to 10.5, the wall at 5 is at 4.5 of 10.

@@ -25,7 +25,9 @@ struct Round {
 };
 /// Most elements are served by the first round, from the poses that serve many.
 constexpr std::array<Round, 3> kRounds = {{{1, pi / 3, 8, false}, {3, pi / 3, 3, false}, {6, pi, 1, true}}};
-/// Beside the least stand-off, one this much farther, from which more elements are in view.
+/// Elements near the floor are measured from close by only: so near may the camera go.
+constexpr double kNearestM = 0.7;
+/// Beside delta_pose, a stand-off this much farther, from which more elements are in view.
 constexpr double kFartherM = 0.8;
 
 /// A pose of the lattice, by counts of its steps.
@@ -44,7 +46,7 @@ class Candidates {
     std::vector<std::vector<Node>> asked;
     std::map<Node, int> votes;
     for (const std::uint32_t element : left) {
-      asked.push_back(nodes_around(sight_.elements()[element], round));
+      asked.push_back(nodes_around(element, round));
       for (const Node& node : asked.back()) ++votes[node];
     }
     std::map<Node, bool> free;
@@ -76,28 +78,37 @@ class Candidates {
             wrap_angle(2 * pi * node.heading / params_.headings)};
   }
 
-  [[nodiscard]] std::vector<Node> nodes_around(const mapping::IncompleteElement& element, const Round& round) const {
-    const int looks = round.all_looks ? params_.max_looks : params_.looks;
+  /// Poses from which the element's unknown voxels would be completed if nothing were in between.
+  [[nodiscard]] std::vector<Node> nodes_around(std::uint32_t index, const Round& round) const {
+    const mapping::IncompleteElement& element = sight_.elements()[index];
     const LevelCamera& camera = sight_.camera();
-    const double height_m = std::abs(element.centre_m.z() - camera.p_body_m.z());
     // A voxel more than the element itself needs: its unknown neighbour may be above it.
-    const double least_m = stand_off_m(camera, params_.delta_pose_m, element.centre_m.z()) + sight_.voxel_m();
-    const double sharp_m = std::sqrt(std::max(looks / sight_.known_weight() - height_m * height_m, 0.0));
-    const double most_m = std::min(camera.max_range_m, sharp_m);
+    const double view_m = stand_off_m(camera, kNearestM, element.centre_m.z()) + sight_.voxel_m();
+    const double least_m = std::max(view_m, params_.delta_pose_m);
     std::vector<Node> nodes;
-    if (least_m > camera.max_range_m) return nodes;
     const bool steep = is_steep(element, params_.steep_angle_deg);
     const double first = std::atan2(element.direction.y(), element.direction.x());
     for (const double azimuth : azimuths_around(element, params_.ring)) {
       if (!steep && std::abs(wrap_angle(azimuth - first)) > round.widest_rad + 1e-9) continue;
-      for (const double distance_m : {least_m, least_m + kFartherM}) {
-        if (distance_m > least_m && distance_m > most_m) continue;
-        nodes.push_back(node_of(look_at(camera, element.centre_m, azimuth, distance_m)));
+      for (const double distance_m : {view_m, least_m, least_m + kFartherM}) {
+        const Node node = node_of(look_at(camera, element.centre_m, azimuth, distance_m));
+        if (would_complete(index, pose_of(node), round)) nodes.push_back(node);
       }
     }
     std::sort(nodes.begin(), nodes.end());
     nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
     return nodes;
+  }
+
+  [[nodiscard]] bool would_complete(std::uint32_t element, const Pose2& pose, const Round& round) const {
+    const CameraView view(sight_.camera(), pose);
+    const int looks = round.all_looks ? params_.max_looks : params_.looks;
+    const auto unknowns = sight_.unknowns_of(element);
+    return std::all_of(unknowns.begin(), unknowns.end(), [&](std::uint32_t u) {
+      const UnknownVoxel& unknown = sight_.unknowns()[u];
+      return view.contains(unknown.centre_m) && sight_.measures(view, unknown) &&
+             looks * Sight::share_of_look(view, unknown) >= 1;
+    });
   }
 
   [[nodiscard]] Node node_of(const Pose2& pose) const {

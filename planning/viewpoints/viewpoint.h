@@ -54,7 +54,8 @@ struct ViewpointParams {
     visitor.field("preset", self.preset,
                   "thesis: the equations as printed; default: only what looks complete counts, few viewpoints",
                   config::one_of({"default", "thesis"}));
-    visitor.field("delta_pose_m", self.delta_pose_m, "least distance between camera and element",
+    visitor.field("delta_pose_m", self.delta_pose_m,
+                  "distance between camera and element; default: where a closer look is not needed",
                   config::greater_than(0.0));
     visitor.field("merge_voxels", self.merge_voxels, "thesis: viewpoints nearer than this many voxels merge",
                   config::at_least(0.0));

@@ -9,12 +9,13 @@ complain() { [ -z "$2" ] || { echo "$1:"; sed 's/^/  /' <<<"$2"; status=1; }; }
 
 sources() { find "$@" -name '*.h' -o -name '*.cpp' | sort; }
 # Only common's bus, a room's wire and process, tools and console know LCM.
-libraries=$(sources common perception mapping sim | grep -vE '/process/|/wire\.(h|cpp)$|^common/(bus/|image_codec)')
+libraries=$(sources common perception mapping planning sim | grep -vE '/process/|/wire\.(h|cpp)$|^common/(bus/|image_codec)')
 complain "libraries that include LCM or its messages" "$(grep -nE '#include <(lcm|arpent)/' $libraries)"
 complain "libraries that include wire, process or bus" "$(grep -nE '#include ".*(/wire\.h|/process/|^common/bus/)' $libraries | grep -v '^common/wire_schema')"
 complain "common includes another room" "$(grep -nE '#include "(perception|mapping|planning|control|sim|drivers|tools)/' $(sources common))"
 complain "perception includes mapping, planning, sim or tools" "$(grep -nE '#include "(mapping|planning|control|sim|drivers|tools)/' $(sources perception))"
 complain "mapping includes planning, sim, drivers or tools" "$(grep -nE '#include "(planning|control|sim|drivers|tools)/' $(sources mapping))"
+complain "planning includes more than common and mapping" "$(grep -nE '#include "(perception|control|sim|drivers|tools)/' $(sources planning))"
 complain "sim includes a room above it" "$(grep -nE '#include "(perception|mapping|planning|control|tools)/' $(sources sim))"
 complain "mapping's library takes more from perception than value types" \
   "$(grep -nE '#include "perception/' $(sources mapping/tsdf mapping/surface) | grep -v 'perception/stereo/depth_map.h')"

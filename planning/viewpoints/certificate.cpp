@@ -1,0 +1,130 @@
+// SPDX-FileCopyrightText: The arpent authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "planning/viewpoints/certificate.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace arpent::planning {
+namespace {
+
+constexpr double kAnyReachM = std::numeric_limits<double>::infinity();
+
+/// Farthest body from which the camera may see a point, on the ground: the corner of the frustum.
+double reach_m(const LevelCamera& camera) {
+  const double side = std::max(camera.left_slope, camera.right_slope);
+  return camera.max_range_m * std::hypot(1.0, side) + camera.p_body_m.head<2>().norm();
+}
+
+std::vector<Eigen::Vector2i> cells_within(int cells) {
+  std::vector<Eigen::Vector2i> offsets;
+  for (int y = -cells; y <= cells; ++y) {
+    for (int x = -cells; x <= cells; ++x) {
+      if (x * x + y * y <= cells * cells) offsets.emplace_back(x, y);
+    }
+  }
+  std::stable_sort(offsets.begin(), offsets.end(),
+                   [](const auto& a, const auto& b) { return a.squaredNorm() < b.squaredNorm(); });
+  return offsets;
+}
+
+}  // namespace
+
+const char* to_text(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::kCompletable:
+      return "completable";
+    case Verdict::kOutOfRange:
+      return "out_of_range";
+    case Verdict::kUnreachable:
+      return "unreachable";
+    case Verdict::kOccluded:
+      return "occluded";
+    case Verdict::kBelowSensingLimit:
+      return "below_sensing_limit";
+  }
+  return "";
+}
+
+Certifier::Certifier(const Sight& sight, const FreeSpace& free_space, const Pose2& robot, const ViewpointParams& params)
+    : sight_(sight),
+      params_(params),
+      offsets_(cells_within(static_cast<int>(std::ceil(reach_m(sight.camera()) / params.lattice_m)) + 1)) {
+  Eigen::AlignedBox2d box;
+  for (const UnknownVoxel& unknown : sight.unknowns()) box.extend(unknown.centre_m.head<2>());
+  if (box.isEmpty()) return;
+  const double margin_m = reach_m(sight.camera()) + params.lattice_m;
+  const Eigen::Vector2i least = ((box.min().array() - margin_m) / params.lattice_m).floor().cast<int>();
+  const Eigen::Vector2i most = ((box.max().array() + margin_m) / params.lattice_m).ceil().cast<int>();
+  std::vector<Pose2> free;
+  for (int y = least.y(); y <= most.y(); ++y) {
+    for (int x = least.x(); x <= most.x(); ++x) {
+      for (int h = 0; h < kHeadings; ++h) {
+        const double yaw_rad = wrap_angle(2 * std::numbers::pi * h / kHeadings);
+        const Pose2 pose{x * params.lattice_m, y * params.lattice_m, yaw_rad};
+        if (free_space.is_free(pose)) free.push_back(pose);
+      }
+    }
+  }
+  const auto distances_m = free_space.distances_m(robot, free);
+  for (std::size_t i = 0; i < free.size(); ++i) {
+    if (!distances_m[i]) continue;
+    const auto cell = [&](double value_m) { return static_cast<int>(std::lround(value_m / params.lattice_m)); };
+    const std::pair key(cell(free[i].x_m), cell(free[i].y_m));
+    const auto [entry, fresh] = poses_of_.try_emplace(key, poses_.size(), poses_.size());
+    poses_.push_back(free[i]);
+    entry->second.second = poses_.size();
+  }
+}
+
+Certifier::Answer Certifier::search(const UnknownVoxel& unknown) const {
+  Answer answer;
+  const auto cell = [&](double value_m) { return static_cast<int>(std::lround(value_m / params_.lattice_m)); };
+  const int x = cell(unknown.centre_m.x()), y = cell(unknown.centre_m.y());
+  for (const Eigen::Vector2i& offset : offsets_) {
+    const auto here = poses_of_.find({x + offset.x(), y + offset.y()});
+    if (here == poses_of_.end()) continue;
+    for (std::size_t i = here->second.first; i < here->second.second; ++i) {
+      const CameraView view(sight_.camera(), poses_[i]);
+      if (!view.contains(unknown.centre_m)) continue;
+      ++answer.in_view;
+      if (!sight_.shows(view, unknown, kAnyReachM)) continue;
+      ++answer.in_sight;
+      if (unknown.given_up || params_.max_looks * Sight::share_of_look(view, unknown) < 1) continue;
+      const bool sure = sight_.measures(view, unknown);
+      if (sure || answer.verdict != Verdict::kCompletable) answer.pose = poses_[i];
+      answer.verdict = Verdict::kCompletable;
+      if (sure) return answer;
+    }
+  }
+  if (answer.verdict == Verdict::kCompletable) return answer;
+  answer.verdict = answer.in_sight > 0  ? Verdict::kBelowSensingLimit
+                   : answer.in_view > 0 ? Verdict::kOccluded
+                                        : Verdict::kUnreachable;
+  return answer;
+}
+
+Certifier::Answer Certifier::judge_unknown(const UnknownVoxel& unknown) const {
+  const LevelCamera& camera = sight_.camera();
+  const double needed_m = camera.stand_off_for_height_m(unknown.centre_m.z() - camera.p_body_m.z());
+  if (needed_m > camera.max_range_m) return {.verdict = Verdict::kOutOfRange};
+  return search(unknown);
+}
+
+Certificate Certifier::judge(std::size_t element) const {
+  Certificate certificate{.element = sight_.elements()[element].voxel};
+  for (const std::uint32_t u : sight_.unknowns_of(element)) {
+    const UnknownVoxel& unknown = sight_.unknowns()[u];
+    const Answer answer = judge_unknown(unknown);
+    if (answer.verdict != Verdict::kCompletable) {
+      return {certificate.element, answer.verdict, {}, unknown.centre_m, answer.in_view, answer.in_sight};
+    }
+    auto& poses = certificate.poses;
+    if (std::find(poses.begin(), poses.end(), answer.pose) == poses.end()) poses.push_back(answer.pose);
+  }
+  return certificate;
+}
+
+}  // namespace arpent::planning

@@ -1,0 +1,210 @@
+// SPDX-FileCopyrightText: The arpent authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "planning/viewpoints/exploration_targets.h"
+
+#include <algorithm>
+#include <limits>
+#include <numbers>
+#include <unordered_map>
+
+#include "common/config/config.h"
+#include "planning/viewpoints/clustering.h"
+#include "planning/viewpoints/cover.h"
+#include "planning/viewpoints/generation.h"
+
+namespace arpent::planning {
+namespace {
+
+using mapping::TsdfMap;
+using mapping::UnknownRule;
+
+constexpr double kAnyReachM = std::numeric_limits<double>::infinity();
+/// A look is taken at a viewpoint if it is within so much of its heading.
+constexpr double kAtHeadingRad = 0.26;
+
+/// Viewpoints of the `thesis` preset, and which elements have none.
+Cover generate_as_printed(const Sight& sight, const FreeSpace& free_space, const Pose2& robot,
+                          const ViewpointParams& params) {
+  Cover cover;
+  std::vector<mapping::IncompleteElement> elements;
+  for (std::uint32_t i = 0; i < sight.elements().size(); ++i) {
+    if (!sight.is_given_up(i)) elements.push_back(sight.elements()[i]);
+  }
+  const auto generated = generate_viewpoints(elements, sight.camera(), params, free_space, robot);
+  VoxelSet served;
+  for (const Viewpoint& viewpoint : generated) served.insert(viewpoint.elements.begin(), viewpoint.elements.end());
+  for (std::uint32_t i = 0; i < sight.elements().size(); ++i) {
+    if (!served.contains(sight.elements()[i].voxel)) cover.left.push_back(i);
+  }
+  cover.viewpoints = merge_viewpoints(generated, params.merge_voxels * sight.voxel_m(),
+                                      params.merge_angle_deg * std::numbers::pi / 180, free_space);
+  return cover;
+}
+
+bool shows_all(const Sight& sight, std::uint32_t element, const Pose2& pose) {
+  const CameraView view(sight.camera(), pose);
+  const auto unknowns = sight.unknowns_of(element);
+  return std::all_of(unknowns.begin(), unknowns.end(),
+                     [&](std::uint32_t u) { return sight.shows(view, sight.unknowns()[u], kAnyReachM); });
+}
+
+/// Viewpoints from which no more is known than that the element would be in sight: the attempt is what settles it.
+void add_attempt(std::vector<Viewpoint>& attempts, const Sight& sight, std::uint32_t element,
+                 const std::vector<Pose2>& poses, int looks) {
+  const VoxelIndex& voxel = sight.elements()[element].voxel;
+  for (Viewpoint& attempt : attempts) {
+    if (!shows_all(sight, element, attempt.pose)) continue;
+    attempt.elements.push_back(voxel);
+    return;
+  }
+  for (const Pose2& pose : poses) attempts.push_back({pose, {voxel}, looks});
+}
+
+/// Elements that the usual poses left but that some pose completes become the last viewpoints; the others are what
+/// remains, with the reason.
+std::vector<Certificate> settle_the_rest(Cover& cover, const Sight& sight, const FreeSpace& free_space,
+                                         const Pose2& robot, const ViewpointParams& params) {
+  std::vector<Certificate> remaining;
+  if (cover.left.empty()) return remaining;
+  const Certifier certifier(sight, free_space, robot, params);
+  std::vector<Pose2> poses;
+  std::unordered_map<std::uint32_t, std::vector<Pose2>> poses_of;
+  for (const std::uint32_t element : cover.left) {
+    Certificate certificate = certifier.judge(element);
+    poses.insert(poses.end(), certificate.poses.begin(), certificate.poses.end());
+    if (certificate.verdict == Verdict::kCompletable && params.preset != "thesis") {
+      poses_of.emplace(element, std::move(certificate.poses));
+    } else {
+      remaining.push_back(std::move(certificate));
+    }
+  }
+  if (params.preset == "thesis") return remaining;  // no viewpoints but those of the equations
+  extend_cover(cover, sight, poses, {params.max_looks, kAnyReachM});
+  std::vector<Viewpoint> attempts;
+  for (const std::uint32_t element : cover.left) {
+    const auto found = poses_of.find(element);
+    if (found != poses_of.end()) add_attempt(attempts, sight, element, found->second, params.max_looks);
+  }
+  cover.viewpoints.insert(cover.viewpoints.end(), attempts.begin(), attempts.end());
+  return remaining;
+}
+
+std::size_t common_count(const std::vector<VoxelIndex>& a, const std::vector<VoxelIndex>& b) {
+  std::size_t count = 0;
+  for (auto i = a.begin(), j = b.begin(); i != a.end() && j != b.end();) {
+    if (mapping::before(*i, *j)) {
+      ++i;
+    } else if (mapping::before(*j, *i)) {
+      ++j;
+    } else {
+      ++count, ++i, ++j;
+    }
+  }
+  return count;
+}
+
+}  // namespace
+
+struct ExplorationTargets::State {
+  ViewpointParams params;
+  LevelCamera camera;
+  mapping::IncompleteSurface surface;
+  /// What looks promised to voxels that are still unknown, in weights of W_th.
+  std::unordered_map<VoxelIndex, double, mapping::BlockHash> promised;
+  VoxelSet given_up;
+  std::vector<Cluster> last;
+  int next_id = 0;
+
+  void keep_ids(std::vector<Cluster>& clusters);
+  /// Unknown voxels for which the last plan has a viewpoint at this pose.
+  [[nodiscard]] VoxelSet meant_from(const TsdfMap& map, const Pose2& pose) const;
+};
+
+ExplorationTargets::ExplorationTargets(const ViewpointParams& params, const LevelCamera& camera,
+                                       std::optional<Eigen::AlignedBox3d> region_map_m)
+    : state_(std::make_unique<State>()) {
+  config::check(params, "viewpoints");
+  state_->params = params;
+  state_->camera = camera;
+  const UnknownRule rule = params.preset == "thesis" ? UnknownRule::kWeight : UnknownRule::kSignChange;
+  state_->surface = mapping::IncompleteSurface(rule, region_map_m);
+}
+
+ExplorationTargets::~ExplorationTargets() = default;
+ExplorationTargets::ExplorationTargets(ExplorationTargets&&) noexcept = default;
+ExplorationTargets& ExplorationTargets::operator=(ExplorationTargets&&) noexcept = default;
+
+const mapping::IncompleteSurface& ExplorationTargets::surface() const {
+  return state_->surface;
+}
+
+void ExplorationTargets::update(const TsdfMap& map) {
+  state_->surface.update(map);
+}
+
+void ExplorationTargets::note_look(const TsdfMap& map, const Pose2& pose) {
+  const Sight sight(state_->camera, state_->surface, map);
+  const CameraView view(state_->camera, pose);
+  const VoxelSet meant = state_->meant_from(map, pose);
+  const bool literal = state_->params.preset == "thesis";
+  for (const UnknownVoxel& unknown : sight.unknowns()) {
+    const bool sure = sight.measures(view, unknown) && sight.shows(view, unknown, state_->params.unknown_reach_m);
+    const bool tried = meant.contains(unknown.voxel) && (literal || sight.shows(view, unknown, kAnyReachM));
+    if (!sure && !tried) continue;
+    const double weight = 1 / (unknown.centre_m - view.position_m()).squaredNorm();
+    double& promised = state_->promised[unknown.voxel];
+    promised += weight / map.params().known_weight;
+    if (promised >= state_->params.give_up_factor) state_->given_up.insert(unknown.voxel);
+  }
+}
+
+Targets ExplorationTargets::plan(const TsdfMap& map, const FreeSpace& free_space, const Pose2& robot) {
+  const ViewpointParams& params = state_->params;
+  const Sight sight(state_->camera, state_->surface, map, state_->given_up);
+  const bool thesis = params.preset == "thesis";
+  Cover cover =
+      thesis ? generate_as_printed(sight, free_space, robot, params) : cover_elements(sight, free_space, robot, params);
+  Targets targets;
+  targets.elements = sight.elements().size();
+  targets.remaining = settle_the_rest(cover, sight, free_space, robot, params);
+  const Partition partition = thesis ? cluster_by_single_linkage(cover.viewpoints, params)
+                                     : cluster_by_drive(cover.viewpoints, params, free_space);
+  targets.clusters = make_clusters(cover.viewpoints, partition, sight, params);
+  state_->keep_ids(targets.clusters);
+  return targets;
+}
+
+VoxelSet ExplorationTargets::State::meant_from(const TsdfMap& map, const Pose2& pose) const {
+  VoxelSet meant;
+  for (const Cluster& cluster : last) {
+    for (const Viewpoint& viewpoint : cluster.viewpoints) {
+      if ((viewpoint.pose.position_m() - pose.position_m()).norm() > params.lattice_m) continue;
+      if (std::abs(wrap_angle(viewpoint.pose.yaw_rad - pose.yaw_rad)) > kAtHeadingRad) continue;
+      for (const VoxelIndex& element : viewpoint.elements) {
+        if (!surface.contains(element)) continue;
+        const auto unknown = surface.unknown_beside(element, map);
+        meant.insert(unknown.begin(), unknown.end());
+      }
+    }
+  }
+  return meant;
+}
+
+void ExplorationTargets::State::keep_ids(std::vector<Cluster>& clusters) {
+  std::vector<std::uint8_t> taken(last.size());
+  for (Cluster& cluster : clusters) {
+    std::size_t best = last.size();
+    std::size_t most = std::max<std::size_t>(1, (cluster.elements.size() + 1) / 2);
+    for (std::size_t i = 0; i < last.size(); ++i) {
+      const std::size_t common = taken[i] != 0 ? 0 : common_count(cluster.elements, last[i].elements);
+      if (common < most) continue;
+      best = i;
+      most = common + 1;
+    }
+    if (best < last.size()) taken[best] = 1;
+    cluster.id = best < last.size() ? last[best].id : next_id++;
+  }
+  last = clusters;
+}
+
+}  // namespace arpent::planning

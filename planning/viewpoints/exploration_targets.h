@@ -1,0 +1,60 @@
+// SPDX-FileCopyrightText: The arpent authors
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// From the map to what the robot should look at next: incomplete surface elements, viewpoints that complete them,
+// clusters with gain, and for the elements that no pose completes the reason why. The elements follow the map block by
+// block; the rest is made when it is asked for.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "mapping/surface/incomplete_surface.h"
+#include "planning/viewpoints/certificate.h"
+#include "planning/viewpoints/free_space.h"
+#include "planning/viewpoints/level_camera.h"
+#include "planning/viewpoints/viewpoint.h"
+
+namespace arpent::planning {
+
+struct Targets {
+  std::size_t elements = 0;  ///< |C|: all incomplete elements
+  std::vector<Cluster> clusters;
+  /// Elements for which there is no viewpoint, each with the reason: the remaining surface. In the elements' order.
+  /// With preset `thesis` the reason may be that the equations have none though a pose would complete the element.
+  std::vector<Certificate> remaining;
+};
+
+class ExplorationTargets {
+ public:
+  /// Throws InputError for parameters that break their rules. `region_map_m`: only surface in there matters.
+  ExplorationTargets(const ViewpointParams& params, const LevelCamera& camera,
+                     std::optional<Eigen::AlignedBox3d> region_map_m = std::nullopt);
+  ~ExplorationTargets();
+  ExplorationTargets(ExplorationTargets&&) noexcept;
+  ExplorationTargets& operator=(ExplorationTargets&&) noexcept;
+
+  /// Takes over what changed in the map, always the same one; cheap enough for every depth image (bench
+  /// `planning`, ise.update_ms).
+  void update(const mapping::TsdfMap& map);
+
+  /// Notes that a depth image taken at `pose` is in the map (after update()). Voxels that stay unknown though looks
+  /// that should have measured them, or were taken at the viewpoints meant for them, add up to give_up_factor times
+  /// W_th, are given up: below the sensing limit. Without this, what the camera cannot measure would be visited for
+  /// ever.
+  void note_look(const mapping::TsdfMap& map, const Pose2& pose);
+
+  /// Clusters and remaining elements for a robot at `robot`. A cluster that has at least half of its elements in common
+  /// with one of the last plan() keeps its id, others get new ones; the same history gives the same ids. `map` is the
+  /// one of the last update().
+  [[nodiscard]] Targets plan(const mapping::TsdfMap& map, const FreeSpace& free_space, const Pose2& robot);
+
+  [[nodiscard]] const mapping::IncompleteSurface& surface() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace arpent::planning

@@ -11,8 +11,8 @@
 namespace arpent::planning {
 namespace {
 
-/// Distance of two discs' centres, as a share of the short axis: the discs' radius grows with it.
-constexpr double kSpacing = 0.4;
+/// Distance of two discs' centres in the middle, as a share of the short axis: the discs' radius grows with it.
+constexpr double kSpacing = 0.45;
 constexpr int kBoundarySamples = 720;
 
 }  // namespace
@@ -21,11 +21,11 @@ Footprint::Footprint(const FootprintParams& params) : params_(params) {
   config::check(params, "footprint");
   const double a = params.semi_axis_long_m, b = params.semi_axis_short_m;
   if (a < b) throw InputError("footprint: semi_axis_long_m must be at least semi_axis_short_m");
-  // The last disc is the ellipse's circle of curvature at its end, the others are spread evenly between.
+  // The last disc is the ellipse's circle of curvature at its end; towards the ends they lie closer.
   const double reach = a - b * b / a;
-  const int each_side = static_cast<int>(std::ceil(reach / (kSpacing * b)));
+  const int each_side = static_cast<int>(std::ceil(0.5 * std::numbers::pi * reach / (kSpacing * b)));
   for (int i = -each_side; i <= each_side; ++i) {
-    discs_.push_back({each_side > 0 ? reach * i / each_side : 0.0, 0.0});
+    discs_.push_back({each_side > 0 ? reach * std::sin(0.5 * std::numbers::pi * i / each_side) : 0.0, 0.0});
   }
   for (int i = 0; i <= kBoundarySamples; ++i) {
     const double t = std::numbers::pi * i / kBoundarySamples;

@@ -91,7 +91,8 @@ LegResult LegPlanner::plan(const Ground& ground, const Pose2& start, const Pose2
     return no_leg(stands_on_unknown(ground, goal) ? NoLeg::kGoalUnknown : NoLeg::kGoalBlocked,
                   box_around({goal.position_m()}, reach_m));
   }
-  const StartSlack slack{std::max(0.0, -start_margin)};
+  // Whoever touches a wall must swing a little deeper into it to turn away.
+  const StartSlack slack{start_margin < 0 ? params_.start_slack_m : 0.0};
   LegResult result = search(ground, start, goal, slack);
   if (!result.leg) return result;
   // The last word: the whole leg, as it would be driven.

@@ -16,7 +16,7 @@ namespace arpent::planning {
 
 struct LegPlannerParams {
   std::string planner = "lattice";
-  double start_slack_m = 0.05;
+  double start_slack_m = 0.08;
   LatticeParams lattice;
   LazyPrmParams lazy_prm;
 

@@ -9,6 +9,10 @@ namespace arpent::planning {
 namespace {
 
 constexpr double kPointSpacingM = 0.05;
+constexpr double kPlaceSpacingRad = 0.1;
+constexpr double kLookAheadM = 1.0;
+/// So many radians weigh as much as a metre.
+constexpr double kRadPerM = 3.0;
 constexpr double kLeastDriveM = 1e-4;
 constexpr double kLeastTurnRad = 1e-3;
 
@@ -76,6 +80,36 @@ Motions tidy(const Motions& motions) {
     }
   }
   return joined;
+}
+
+LegProgress::LegProgress(const Leg& leg) {
+  LegPlace place;
+  places_.push_back({leg.start, place});
+  for (std::size_t i = 0; i < leg.motions.size(); ++i) {
+    const Motion& motion = leg.motions[i];
+    const double size = motion.is_turn() ? std::abs(motion.turn_rad) / kPlaceSpacingRad : motion.length_m / kPointSpacingM;
+    const int steps = std::max(1, static_cast<int>(std::ceil(size)));
+    for (int k = 1; k <= steps; ++k) {
+      const double share = static_cast<double>(k) / steps;
+      places_.push_back({pose_at(motion, share), {i, share, place.driven_m + share * motion.length_m}});
+    }
+    place.driven_m += motion.length_m;
+  }
+}
+
+void LegProgress::advance(const Pose2& pose) {
+  const auto off = [&](const Place& p) {
+    return std::hypot((p.pose.position_m() - pose.position_m()).norm(),
+                      wrap_angle(p.pose.yaw_rad - pose.yaw_rad) / kRadPerM);
+  };
+  double least = off(places_[at_]);
+  const double far_m = places_[at_].place.driven_m + kLookAheadM;
+  for (std::size_t i = at_ + 1; i < places_.size() && places_[i].place.driven_m <= far_m; ++i) {
+    if (off(places_[i]) > least) continue;
+    least = off(places_[i]);
+    at_ = i;
+  }
+  off_m_ = (places_[at_].pose.position_m() - pose.position_m()).norm();
 }
 
 std::vector<DrivePiece> pieces_of(const Leg& leg) {

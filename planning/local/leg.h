@@ -12,17 +12,18 @@
 
 namespace arpent::planning {
 
-struct Leg {
-  Pose2 start;
-  Pose2 goal;
-  Motions motions;  ///< one begins where the one before ends; empty if start and goal are the same
-};
-
 /// Where and how a robot with slack at the start of a leg may move: within `along_m` of drive after the start the
 /// footprint may reach `depth_m` into what is not free, because the start itself does.
 struct StartSlack {
   double depth_m = 0;
   double along_m = 0.6;
+};
+
+struct Leg {
+  Pose2 start;
+  Pose2 goal;
+  Motions motions;  ///< one begins where the one before ends; empty if start and goal are the same
+  StartSlack slack;
 };
 
 /// A place on a leg: motion and share of it.
@@ -39,6 +40,28 @@ struct LegPlace {
 
 /// Joins turns that follow each other and drives of equal curvature; leaves out what is nothing.
 [[nodiscard]] Motions tidy(const Motions& motions);
+
+/// How far along its leg a robot is; never goes back.
+class LegProgress {
+ public:
+  explicit LegProgress(const Leg& leg);
+
+  /// The place nearest to the pose among those up to a metre ahead (a metre counts as much as three radians).
+  void advance(const Pose2& pose);
+  [[nodiscard]] const LegPlace& place() const { return places_[at_].place; }
+  /// Distance of the last pose from it.
+  [[nodiscard]] double off_m() const { return off_m_; }
+
+ private:
+  struct Place {
+    Pose2 pose;
+    LegPlace place;
+  };
+
+  std::vector<Place> places_;
+  std::size_t at_ = 0;
+  double off_m_ = 0;
+};
 
 /// One piece is driven without a stop; at its end the robot turns on the spot to `end_heading_rad`. A tracker turns to
 /// the first heading of a piece by itself.

@@ -41,6 +41,20 @@ GroundBox box_around(const std::vector<Eigen::Vector2d>& points, double margin_m
   return box;
 }
 
+/// Around everything that the sweep from the goal reached: a way to it can open nowhere else.
+GroundBox box_reached(const Ground& ground, const Sweep& to_goal, const Pose2& goal) {
+  GroundBox box{goal.position_m(), goal.position_m()};
+  for (std::size_t at = 0; at < to_goal.costs().size(); ++at) {
+    if (to_goal.costs()[at] == Sweep::kNotReached) continue;
+    box.least_m = box.least_m.cwiseMin(ground.frame().centre_m(at));
+    box.most_m = box.most_m.cwiseMax(ground.frame().centre_m(at));
+  }
+  const double reach_m = ground.footprint().short_m() + 2 * ground.frame().cell_m;
+  box.least_m.array() -= reach_m;
+  box.most_m.array() += reach_m;
+  return box;
+}
+
 LegResult no_leg(NoLeg reason, const GroundBox& region, int steps = 0) {
   LegResult result;
   result.reason = reason;
@@ -108,19 +122,19 @@ LegResult LegPlanner::search(const Ground& ground, const Pose2& start, const Pos
   result.region = box_around({start.position_m(), goal.position_m()}, kRegionMarginM);
   if ((start.position_m() - goal.position_m()).norm() < kSamePlaceM &&
       std::abs(wrap_angle(goal.yaw_rad - start.yaw_rad)) < kSamePlaceM) {
-    result.leg = Leg{start, goal, {}};
+    result.leg = Leg{start, goal, {}, slack};
     return result;
   }
   const Sweep to_goal(ground, goal.position_m(), std::numeric_limits<double>::infinity(), start.position_m(),
                       kDetourM);
   const auto way = to_goal.way_to(start.position_m());
-  if (way.empty()) return no_leg(NoLeg::kNoWay, result.region);
+  if (way.empty()) return no_leg(NoLeg::kNoWay, box_reached(ground, to_goal, goal));
   result.region = box_around(way, kRegionMarginM);
   if (params_.planner == "lazy_prm") {
     const LazyPrmResult found = plan_lazy_prm(ground, start, goal, params_.lazy_prm, slack);
     result.steps = found.samples;
     if (!found.motions) return no_leg(NoLeg::kBudget, result.region, found.samples);
-    result.leg = Leg{start, goal, *found.motions};
+    result.leg = Leg{start, goal, *found.motions, slack};
     return result;
   }
   const LatticeResult found = search_lattice(ground, start, goal, to_goal, params_.lattice, slack);
@@ -128,7 +142,7 @@ LegResult LegPlanner::search(const Ground& ground, const Pose2& start, const Pos
   if (!found.motions) {
     return no_leg(found.out_of_budget ? NoLeg::kBudget : NoLeg::kTooTight, result.region, found.expansions);
   }
-  result.leg = Leg{start, goal, shorten(ground, *found.motions, params_.lattice.turn_radius_m, slack)};
+  result.leg = Leg{start, goal, shorten(ground, *found.motions, params_.lattice.turn_radius_m, slack), slack};
   return result;
 }
 

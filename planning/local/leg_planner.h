@@ -46,8 +46,7 @@ struct LegResult {
   std::optional<Leg> leg;
   NoLeg reason = NoLeg::kNoWay;  ///< if there is no leg
   int steps = 0;                 ///< that the search took: expansions, or samples
-  /// What the answer depends on: if nothing changes on the ground here, a failure stays one. Not said for kNoWay,
-  /// which ends when any way opens.
+  /// As long as nothing changes on the ground here, a failure stays one (from a start within it).
   GroundBox region;
 };
 

@@ -180,7 +180,7 @@ TEST_P(EitherPlanner, EveryLegInRandomWorldsIsFreeAndForwards) {
   }
   EXPECT_GT(asked, worlds / 2);
   EXPECT_GT(found, asked * 6 / 10);
-  EXPECT_TRUE(std::string(GetParam()) != "lattice" || lost == 0) << lost;
+  EXPECT_LE(lost, std::string(GetParam()) == "lattice" ? asked / 50 : asked / 4) << "for want of steps";
 }
 
 TEST_P(EitherPlanner, TheSameQuestionHasTheSameAnswerWhateverWasAskedBefore) {
@@ -222,7 +222,7 @@ INSTANTIATE_TEST_SUITE_P(Planners, EitherPlanner, testing::Values("lattice", "la
 
 TEST(Leg, PiecesAreSplitAtTurnsOnTheSpotAndEndInTheirHeadings) {
   const Pose2 start{1, 1, 0};
-  Leg leg{start, {}, {}};
+  Leg leg{start, {}, {}, {}};
   leg.motions = {turn_to(start, 0.5)};
   leg.motions.push_back(drive(end_of(leg.motions.back()), 1, 0));
   leg.motions.push_back(drive(end_of(leg.motions.back()), 1, 1));
@@ -237,12 +237,12 @@ TEST(Leg, PiecesAreSplitAtTurnsOnTheSpotAndEndInTheirHeadings) {
   EXPECT_DOUBLE_EQ(pieces[1].end_heading_rad, -1);
   EXPECT_NEAR(control::Path(pieces[0].points_m, {}).length_m(), 2, 1e-3);
 
-  const Leg turn{start, {1, 1, 2}, {turn_to(start, 2)}};
+  const Leg turn{start, {1, 1, 2}, {turn_to(start, 2)}, {}};
   const auto creep = pieces_of(turn);
   ASSERT_EQ(creep.size(), 1U);
   EXPECT_NEAR(control::Path(creep[0].points_m, {}).length_m(), kCreepM, 1e-9);
   EXPECT_DOUBLE_EQ(creep[0].end_heading_rad, 2);
-  EXPECT_TRUE(pieces_of({start, start, {}}).empty());
+  EXPECT_TRUE(pieces_of({start, start, {}, {}}).empty());
 }
 
 }  // namespace

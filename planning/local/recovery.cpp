@@ -24,6 +24,12 @@ std::optional<Motion> find_turn(const Ground& ground, const Pose2& pose, double 
   return std::nullopt;
 }
 
+/// A quarter of a circle to one side at least: then every direction is near for one end or the other.
+bool can_turn_about(const Ground& ground, const Pose2& pose) {
+  return !ground.first_contact({pose, 0, 0, 0.5 * std::numbers::pi}) ||
+         !ground.first_contact({pose, 0, 0, -0.5 * std::numbers::pi});
+}
+
 }  // namespace
 
 void Trail::add(const Pose2& pose) {
@@ -56,7 +62,7 @@ std::optional<Recovery> plan_recovery(const Ground& ground, const Pose2& pose, c
     if (driven_m > params.max_back_m || ground.margin_m(*back) < -deepest_m) break;
     recovery.backwards.push_back(*back);
     at = *back;
-    if (ground.margin_m(at) >= params.room_m && find_turn(ground, at, 0, params)) return recovery;
+    if (ground.margin_m(at) >= params.room_m && can_turn_about(ground, at)) return recovery;
   }
   // No room to turn so far: at least out of the corner, if it is one.
   const bool some_way = (at.position_m() - pose.position_m()).norm() >= kLeastBackM;

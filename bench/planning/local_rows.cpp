@@ -5,6 +5,7 @@
 #include "bench/mapping/tsdf/workload.h"
 #include "common/error.h"
 #include "planning/local/leg_planner.h"
+#include "planning/local/stop_guard.h"
 #include "tests/planning/local/flat_world.h"
 
 namespace arpent::planning {
@@ -53,8 +54,11 @@ void price_rows(bench::Report& report, const FlatWorld& lot) {
       },
       15, "bar <= 0.42; 21 x 14 m at 5 cm, 60 clusters");
   report.add_time(
-      "path.ground_ms", [&] { sum += Ground(ground.frame(), states, ground.footprint()).clearance_m({1, 1}); }, 15,
-      "distances and costs of all cells, after a change of the map");
+      "path.ground_ms",
+      [&] {
+        sum += Ground(ground.frame(), states, ground.footprint()).clearance_m({1, 1});
+      },
+      15, "distances and costs of all cells, after a change of the map");
   ARPENT_ASSERT(sum > 0);
 }
 
@@ -84,7 +88,6 @@ void leg_rows(bench::Report& report, const FlatWorld& lot, const std::string& na
 }
 
 void update_rows(bench::Report& report) {
-  constexpr int kFrames = 40;
   for (const double voxel_m : {0.1, 0.2}) {
     const bench::Room room;
     bench::DepthSequence sequence(room);
@@ -93,13 +96,39 @@ void update_rows(bench::Report& report) {
     mapping::TsdfMap map(params);
     GroundGrid grid({});
     std::vector<double> ms;
-    for (int i = 0; i < kFrames; ++i) {
+    const std::string name = voxel_m < 0.15 ? "path.grid_0.10" : "path.grid_0.20";
+    for (int i = 0; i < bench::kPoses; ++i) {
       map.integrate(sequence.next(), room.T_map_scene() * bench::T_scene_cam_at(i));
       ms.push_back(bench::cpu_ms([&] { grid.update(map); }));
     }
-    report.add(voxel_m < 0.15 ? "path.grid_update_0.10_ms" : "path.grid_update_0.20_ms", bench::median(ms), "ms",
-               "per depth image");
+    report.add(name + "_update_ms", bench::median(ms), "ms", "per depth image");
+    const Ground ground(grid, Footprint({}));
+    double free = 0;
+    for (int i = 0; i < bench::kPoses; ++i) {
+      const Pose T = room.T_map_scene() * bench::T_scene_cam_at(i);
+      const Eigen::Vector3d ahead = T.linear().col(2);
+      free += ground.is_free({T.translation().x(), T.translation().y(), std::atan2(ahead.y(), ahead.x())}) ? 1 : 0;
+    }
+    report.add(name + "_free_where_driven", free / bench::kPoses, "1", "poses of the drive whose footprint is free");
   }
+}
+
+/// A picture with a wall at the edge of what the guard looks at: all points near are judged.
+void guard_rows(bench::Report& report) {
+  stereo::DepthMap depth;
+  depth.camera = {640, 512, 377, 377, 319.5, 255.5};
+  depth.depth_m = cv::Mat1f(512, 640, 1.2F);
+  Pose T_body_cam = Pose::Identity();
+  T_body_cam.linear() = R_body_from_camera_axes();
+  T_body_cam.translation() = Eigen::Vector3d(0.2, 0, 0.4);
+  StopGuard guard({}, Footprint({}));
+  int points = 0;
+  report.add_time(
+      "path.stop_guard_ms",
+      [&] {
+        points += guard.look(depth, T_body_cam, {0.5, 0.2}).points;
+      },
+      15, "one depth image of 640 x 512");
 }
 
 }  // namespace
@@ -110,6 +139,7 @@ void local_rows(bench::Report& report) {
   leg_rows(report, lot, "lattice", kLegs);
   leg_rows(report, lot, "lazy_prm", kPrmLegs);
   update_rows(report);
+  guard_rows(report);
 }
 
 }  // namespace arpent::planning

@@ -20,7 +20,8 @@ std::vector<std::int32_t> distances_along_columns(std::span<const std::uint8_t> 
     const std::int32_t above = at < width ? far : g[at - width];
     g[at] = marked[at] != 0 ? 0 : std::min(far, above + 1);
   }
-  for (std::size_t at = static_cast<std::size_t>(rows - 1) * width; at-- > 0;) g[at] = std::min(g[at], g[at + width] + 1);
+  for (std::size_t at = static_cast<std::size_t>(rows - 1) * width; at-- > 0;)
+    g[at] = std::min(g[at], g[at + width] + 1);
   return g;
 }
 

@@ -10,7 +10,8 @@
 
 namespace arpent::planning {
 
-/// Cell (i, j) covers [(first + i) * cell_m, (first + i + 1) * cell_m) along x, and so on along y. Cells lie row by row.
+/// Cell (i, j) covers [(first + i) * cell_m, (first + i + 1) * cell_m) along x, and so on along y. Cells lie row by
+/// row.
 struct GridFrame {
   double cell_m = 0.05;
   Eigen::Vector2i first = Eigen::Vector2i::Zero();

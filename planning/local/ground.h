@@ -52,9 +52,9 @@ class Ground {
   /// How much the footprint may grow at this pose before it touches what is not free; negative if it does already.
   [[nodiscard]] double margin_m(const Pose2& pose) const;
   [[nodiscard]] bool is_free(const Pose2& pose) const { return margin_m(pose) >= 0; }
-  /// Share of the motion at which the footprint first reaches deeper than `slack_m` into what is not free; nullopt if it
-  /// never does. Advances by the room there is, so nothing is stepped over. Turns of almost half a circle must be free
-  /// both ways round.
+  /// Share of the motion at which the footprint first reaches deeper than `slack_m` into what is not free; nullopt if
+  /// it never does. Advances by the room there is, so nothing is stepped over. Turns of almost half a circle must be
+  /// free both ways round.
   [[nodiscard]] std::optional<double> first_contact(const Motion& motion, double slack_m = 0) const;
   /// Cost of a motion that is free; the first of a row pays for the stop, if it is a turn.
   [[nodiscard]] double cost_of(const Motion& motion) const;

@@ -62,7 +62,8 @@ std::size_t GroundGrid::update(const mapping::TsdfMap& map) {
   Box columns{Eigen::Vector2i::Constant(INT32_MAX), Eigen::Vector2i::Constant(INT32_MIN)};
   for (const auto& [y, x] : changed) {
     columns.least = columns.least.cwiseMin(Eigen::Vector2i(x, y) * kBlockSide);
-    columns.most = columns.most.cwiseMax(Eigen::Vector2i(x, y) * kBlockSide + Eigen::Vector2i::Constant(kBlockSide - 1));
+    columns.most =
+        columns.most.cwiseMax(Eigen::Vector2i(x, y) * kBlockSide + Eigen::Vector2i::Constant(kBlockSide - 1));
   }
   cover(columns);
   for (const auto& [y, x] : changed) read_columns(map, {x, y});
@@ -171,8 +172,8 @@ void GroundGrid::read_columns(const mapping::TsdfMap& map, const Eigen::Vector2i
   }
   for (std::size_t i = 0; i < fresh.size(); ++i) {
     fresh[i].known = known[i] == last_layer_ - first_layer_ + 1;
-    const Eigen::Vector2i at = block_xy * kBlockSide - first_column_ +
-                               Eigen::Vector2i(static_cast<int>(i) & 7, static_cast<int>(i) >> 3);
+    const Eigen::Vector2i at =
+        block_xy * kBlockSide - first_column_ + Eigen::Vector2i(static_cast<int>(i) & 7, static_cast<int>(i) >> 3);
     columns_[static_cast<std::size_t>(at.y()) * static_cast<std::size_t>(columns_x_) +
              static_cast<std::size_t>(at.x())] = fresh[i];
   }

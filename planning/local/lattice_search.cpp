@@ -44,7 +44,8 @@ class Search {
     while (!open_.empty() && open_.top().first < best_cost_) {
       const int index = open_.top().second;
       open_.pop();
-      if (nodes_[static_cast<std::size_t>(index)].cost > costs_.at(bin_of(nodes_[static_cast<std::size_t>(index)]))) continue;
+      if (nodes_[static_cast<std::size_t>(index)].cost > costs_.at(bin_of(nodes_[static_cast<std::size_t>(index)])))
+        continue;
       if (result.expansions >= params_.max_expansions) {
         result.out_of_budget = true;
         break;

@@ -100,9 +100,7 @@ class Sampler : public ob::StateSampler {
   }
 
  private:
-  double uniform(double low, double high) {
-    return low + (high - low) * static_cast<double>(random_()) * 0x1p-32;
-  }
+  double uniform(double low, double high) { return low + (high - low) * static_cast<double>(random_()) * 0x1p-32; }
 
   ob::RealVectorBounds bounds_;
   std::mt19937 random_;

@@ -87,7 +87,8 @@ LegProgress::LegProgress(const Leg& leg) {
   places_.push_back({leg.start, place});
   for (std::size_t i = 0; i < leg.motions.size(); ++i) {
     const Motion& motion = leg.motions[i];
-    const double size = motion.is_turn() ? std::abs(motion.turn_rad) / kPlaceSpacingRad : motion.length_m / kPointSpacingM;
+    const double size =
+        motion.is_turn() ? std::abs(motion.turn_rad) / kPlaceSpacingRad : motion.length_m / kPointSpacingM;
     const int steps = std::max(1, static_cast<int>(std::ceil(size)));
     for (int k = 1; k <= steps; ++k) {
       const double share = static_cast<double>(k) / steps;

@@ -125,8 +125,7 @@ LegResult LegPlanner::search(const Ground& ground, const Pose2& start, const Pos
     result.leg = Leg{start, goal, {}, slack};
     return result;
   }
-  const Sweep to_goal(ground, goal.position_m(), std::numeric_limits<double>::infinity(), start.position_m(),
-                      kDetourM);
+  const Sweep to_goal(ground, goal.position_m(), std::numeric_limits<double>::infinity(), start.position_m(), kDetourM);
   const auto way = to_goal.way_to(start.position_m());
   if (way.empty()) return no_leg(NoLeg::kNoWay, box_reached(ground, to_goal, goal));
   result.region = box_around(way, kRegionMarginM);

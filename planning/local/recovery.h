@@ -1,8 +1,9 @@
 // SPDX-FileCopyrightText: The arpent authors
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// What a robot does that is boxed in, so that no leg starts where it stands: turn on the spot to where there is room, or
-// back off along the way it came, which it has driven and so knows to be free. The one place where it drives backwards.
+// What a robot does that is boxed in, so that no leg starts where it stands: turn on the spot to where there is room,
+// or back off along the way it came, which it has driven and so knows to be free. The one place where it drives
+// backwards.
 #pragma once
 
 #include <deque>

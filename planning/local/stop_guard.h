@@ -48,9 +48,9 @@ struct StopGuardParams {
 
 struct StopDecision {
   bool stop = false;
-  double free_m = 0;         ///< way until the footprint meets the obstacle; the distance looked at if there is none
-  double looked_at_m = 0;    ///< stopping distance: v^2 / 2a + delay v + margin
-  int points = 0;            ///< in the way within it
+  double free_m = 0;       ///< way until the footprint meets the obstacle; the distance looked at if there is none
+  double looked_at_m = 0;  ///< stopping distance: v^2 / 2a + delay v + margin
+  int points = 0;          ///< in the way within it
 };
 
 class StopGuard {

@@ -131,8 +131,7 @@ Sweep::Sweep(const Ground& ground, const Eigen::Vector2d& source_m, double max_c
   search(*source, in_units(max_cost_m, frame.cell_m), until, in_units(beyond_m, frame.cell_m));
 }
 
-void Sweep::search(std::size_t source, std::uint32_t max_cost, std::optional<std::size_t> until,
-                   std::uint32_t beyond) {
+void Sweep::search(std::size_t source, std::uint32_t max_cost, std::optional<std::size_t> until, std::uint32_t beyond) {
   const std::vector<std::uint16_t>& weights = ground_.weights();
   const auto offsets = offsets_of(ground_.frame());
   const std::uint32_t dearest_weight = *std::max_element(weights.begin(), weights.end());
@@ -205,6 +204,23 @@ std::vector<Eigen::Vector2d> Sweep::way_to(const Eigen::Vector2d& p_m) const {
   }
   std::reverse(way.begin(), way.end());
   return way;
+}
+
+std::vector<std::optional<double>> drive_lengths_m(const Ground& ground, const Pose2& from, std::span<const Pose2> to,
+                                                   double max_m) {
+  std::uint16_t dearest = kWeightOne;
+  for (const std::uint16_t weight : ground.weights()) dearest = std::max(dearest, weight);
+  // A way of this length costs at most so much; the cell where it ends may be one beside.
+  const double max_cost_m = max_m * dearest / kWeightOne + ground.frame().cell_m;
+  const Sweep sweep(ground, from.position_m(), max_cost_m);
+  std::vector<std::optional<double>> lengths_m;
+  lengths_m.reserve(to.size());
+  for (const Pose2& pose : to) {
+    auto length_m = sweep.length_m(pose.position_m());
+    if (length_m && *length_m > max_m) length_m.reset();
+    lengths_m.push_back(length_m);
+  }
+  return lengths_m;
 }
 
 }  // namespace arpent::planning

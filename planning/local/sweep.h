@@ -47,6 +47,12 @@ class Sweep {
   std::vector<std::uint8_t> from_;  ///< index of the step that led here
 };
 
+/// Length of the drive from one place to each of the others [m], in their order, as FreeSpace asks: nullopt where no
+/// way leads, or it is longer than `max_m`. One sweep.
+[[nodiscard]] std::vector<std::optional<double>> drive_lengths_m(
+    const Ground& ground, const Pose2& from, std::span<const Pose2> to,
+    double max_m = std::numeric_limits<double>::infinity());
+
 /// Step from a cell to another, and its length in 1/1024 cells.
 struct GridStep {
   int dx = 0;

@@ -108,8 +108,7 @@ inline double intrusion_m(const FlatWorld& world, const FootprintParams& footpri
     const double t = 2 * std::numbers::pi * i / 48;
     const Eigen::Vector2d rim(footprint.semi_axis_long_m * std::cos(t), footprint.semi_axis_short_m * std::sin(t));
     for (const double share : {0.5, 1.0}) {
-      least = std::min(least,
-                       world.distance_m(pose.position_m() + share * (Eigen::Rotation2Dd(pose.yaw_rad) * rim)));
+      least = std::min(least, world.distance_m(pose.position_m() + share * (Eigen::Rotation2Dd(pose.yaw_rad) * rim)));
     }
   }
   return -least;

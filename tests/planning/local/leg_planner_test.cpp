@@ -183,6 +183,53 @@ TEST_P(EitherPlanner, EveryLegInRandomWorldsIsFreeAndForwards) {
   EXPECT_LE(lost, std::string(GetParam()) == "lattice" ? asked / 50 : asked / 4) << "for want of steps";
 }
 
+/// Whether all voxels of the band under the ellipse were known.
+bool stands_on_known(const mapping::TsdfMap& map, const Pose2& pose) {
+  const int last = static_cast<int>(std::floor(0.6 / map.params().voxel_m - 0.5 + 1e-9));
+  for (int i = 0; i < 64; ++i) {
+    const double t = 2 * std::numbers::pi * i / 32, share = i < 32 ? 0.95 : 0.5;
+    const Eigen::Vector2d rim(kFootprint.semi_axis_long_m * std::cos(t), kFootprint.semi_axis_short_m * std::sin(t));
+    const Eigen::Vector2d p = pose.position_m() + share * (Eigen::Rotation2Dd(pose.yaw_rad) * rim);
+    for (int layer = 1; layer <= last; ++layer) {
+      if (!map.is_known(map.index_of({p.x(), p.y(), (layer + 0.5) * map.params().voxel_m}))) return false;
+    }
+  }
+  return true;
+}
+
+TEST_P(EitherPlanner, LegsFromCoarseMapsWithHolesStayOnKnownFreeGround) {
+  const LegPlanner planner = make_planner(GetParam());
+  std::mt19937 random(17);
+  int found = 0;
+  for (int trial = 0; trial < 6; ++trial) {
+    const FlatWorld world = random_world(random, 4);
+    mapping::TsdfMap map = make_map(world, trial % 2 == 0 ? 0.2 : 0.1);
+    for (auto& block : map.storage().blocks) {
+      for (int hole = 0; hole < 2; ++hole) block->weight[random() % mapping::kBlockVoxels] = 0.1F;
+    }
+    GroundGrid grid({});
+    grid.update(map);
+    const Ground ground(grid, Footprint(kFootprint));
+    for (int query = 0; query < 20; ++query) {
+      const Pose2 start{uniform(random, 0.3, 7.7), uniform(random, 0.3, 6.7), uniform(random, -3, 3)};
+      const Pose2 goal{uniform(random, 0.3, 7.7), uniform(random, 0.3, 6.7), uniform(random, -3, 3)};
+      if (!ground.is_free(start) || !ground.is_free(goal)) continue;
+      const LegResult result = planner.plan(ground, start, goal);
+      if (!result.leg) continue;
+      ++found;
+      for (const Motion& motion : result.leg->motions) {
+        for (int i = 0; i <= 40; ++i) {
+          const Pose2 pose = pose_at(motion, i / 40.0);
+          // Interpolation between coarse voxels rounds the corners of boxes.
+          EXPECT_LE(intrusion_m(world, kFootprint, pose), 0.03 + 0.25 * map.params().voxel_m);
+          EXPECT_TRUE(stands_on_known(map, pose)) << pose.x_m << ", " << pose.y_m;
+        }
+      }
+    }
+  }
+  EXPECT_GT(found, 3);
+}
+
 TEST_P(EitherPlanner, TheSameQuestionHasTheSameAnswerWhateverWasAskedBefore) {
   std::mt19937 random(3);
   const FlatWorld world = random_world(random, 4);

@@ -88,7 +88,8 @@ FlatWorld with_wall(double gap_m) {
   return world;
 }
 
-const Tour kTour{{{11, {3, 5.5, 1}}, {12, {6, 5.5, -1}}, {13, {6, 2, 3}}}, {{1, 1, 1}, {2, 2, 2}, {3, 3, 3}, {4, 4, 4}, {5, 5, 5}}};
+const Tour kTour{{{11, {3, 5.5, 1}}, {12, {6, 5.5, -1}}, {13, {6, 2, 3}}},
+                 {{1, 1, 1}, {2, 2, 2}, {3, 3, 3}, {4, 4, 4}, {5, 5, 5}}};
 
 TEST(LowLevelPlanner, VisitsTheTargetsInOrderAndAsksForANewTour) {
   Robot robot({});

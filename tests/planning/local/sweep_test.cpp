@@ -100,6 +100,26 @@ TEST(Sweep, EndingEarlyChangesNothingOfWhatWasReached) {
   EXPECT_LT(reached, full.costs().size() / 2);
 }
 
+TEST(Sweep, DriveLengthsAnswerForFreeSpace) {
+  std::mt19937 random(6);
+  const Ground ground = make_ground(random_world(random, 6));
+  std::vector<Pose2> poses;
+  while (poses.size() < 40) {
+    const Pose2 pose{uniform(random, 0, 8), uniform(random, 0, 7), 0};
+    if (ground.is_free(pose)) poses.push_back(pose);
+  }
+  const auto all = drive_lengths_m(ground, poses.front(), poses);
+  const auto near = drive_lengths_m(ground, poses.front(), poses, 3.0);
+  EXPECT_NEAR(all.front().value(), 0, 1e-9);
+  int within = 0;
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    within += near[i] ? 1 : 0;
+    EXPECT_EQ(near[i], all[i] && *all[i] <= 3 ? all[i] : std::nullopt);
+  }
+  EXPECT_GT(within, 5);
+  EXPECT_LT(within, 35);
+}
+
 TEST(Sweep, AClosedRoomIsNotReachedAndAWayIsConnected) {
   FlatWorld world;
   world.boxes.push_back({{4, 3.5}, {0.1, 3.5}});

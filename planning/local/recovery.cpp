@@ -1,0 +1,72 @@
+// SPDX-FileCopyrightText: The arpent authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "planning/local/recovery.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace arpent::planning {
+namespace {
+
+constexpr double kSpacingM = 0.03;
+constexpr double kSpacingRad = 0.1;
+constexpr double kLeastBackM = 0.3;
+constexpr int kHeadings = 36;
+
+std::optional<Motion> find_turn(const Ground& ground, const Pose2& pose, double deepest_m,
+                                const RecoveryParams& params) {
+  for (int i = 1; i <= kHeadings / 2; ++i) {
+    for (const int side : {1, -1}) {
+      const Motion turn = turn_to(pose, pose.yaw_rad + side * i * 2 * std::numbers::pi / kHeadings);
+      if (ground.margin_m(end_of(turn)) >= params.room_m && !ground.first_contact(turn, deepest_m)) return turn;
+    }
+  }
+  return std::nullopt;
+}
+
+/// A quarter of a circle to one side at least: then every direction is near for one end or the other.
+bool can_turn_about(const Ground& ground, const Pose2& pose) {
+  return !ground.first_contact({pose, 0, 0, 0.5 * std::numbers::pi}) ||
+         !ground.first_contact({pose, 0, 0, -0.5 * std::numbers::pi});
+}
+
+}  // namespace
+
+void Trail::add(const Pose2& pose) {
+  if (!poses_.empty()) {
+    const Pose2& last = poses_.back();
+    if ((last.position_m() - pose.position_m()).norm() < kSpacingM &&
+        std::abs(wrap_angle(last.yaw_rad - pose.yaw_rad)) < kSpacingRad) {
+      return;
+    }
+  }
+  poses_.push_back(pose);
+  double length_m = 0;
+  for (std::size_t i = poses_.size() - 1; i > 0; --i) {
+    length_m += (poses_[i].position_m() - poses_[i - 1].position_m()).norm();
+    if (length_m <= length_m_) continue;
+    poses_.erase(poses_.begin(), poses_.begin() + static_cast<std::ptrdiff_t>(i));
+    return;
+  }
+}
+
+std::optional<Recovery> plan_recovery(const Ground& ground, const Pose2& pose, const Trail& trail,
+                                      const RecoveryParams& params) {
+  const double deepest_m = std::max(0.0, -ground.margin_m(pose)) + params.max_deeper_m;
+  if (const auto turn = find_turn(ground, pose, deepest_m, params)) return Recovery{turn, {}};
+  Recovery recovery;
+  double driven_m = 0;
+  Pose2 at = pose;
+  for (auto back = trail.poses().rbegin(); back != trail.poses().rend(); ++back) {
+    driven_m += (back->position_m() - at.position_m()).norm();
+    if (driven_m > params.max_back_m || ground.margin_m(*back) < -deepest_m) break;
+    recovery.backwards.push_back(*back);
+    at = *back;
+    if (ground.margin_m(at) >= params.room_m && can_turn_about(ground, at)) return recovery;
+  }
+  // No room to turn so far: at least out of the corner, if it is one.
+  const bool some_way = (at.position_m() - pose.position_m()).norm() >= kLeastBackM;
+  return some_way && ground.margin_m(at) >= params.room_m ? std::optional(recovery) : std::nullopt;
+}
+
+}  // namespace arpent::planning

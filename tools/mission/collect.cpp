@@ -3,15 +3,14 @@
 #include <arpent/body_pose_t.hpp>
 #include <arpent/map_status_t.hpp>
 #include <arpent/pose_t.hpp>
-#include <arpent/stereo_images_t.hpp>
 #include <arpent/wheel_state_t.hpp>
 
 #include "common/bus/typed.h"
 #include "common/channels.h"
 #include "common/crc32c.h"
 #include "perception/fusion/wire.h"
-#include "perception/stereo/wire.h"
 #include "tools/mission/run.h"
+#include "tools/replay/compact.h"
 
 namespace arpent::tools {
 namespace {
@@ -25,25 +24,8 @@ void decode(BytesView bytes, Use use) {
 
 }  // namespace
 
-void MissionCollector::write(Time time, const std::string& channel, BytesView bytes) {
-  if (log_ == nullptr) return;
-  if (channel != channels::kStereoImages) {
-    log_->write(time, channel, bytes);
-    return;
-  }
-  // The same images in half the bytes; the rest of the message stays.
-  decode<stereo_images_t>(bytes, [&](stereo_images_t& message) {
-    if (const auto pair = stereo::from_wire(message)) {
-      const stereo_images_t small = stereo::to_wire(*pair, true);
-      message.left = small.left;
-      message.right = small.right;
-    }
-    log_->write(time, channel, encode(message));
-  });
-}
-
 void MissionCollector::take(Time time, const std::string& channel, BytesView bytes) {
-  write(time, channel, bytes);
+  if (log_ != nullptr) log_->write(time, channel, compact_for_log(channel, bytes));
   const std::int64_t utime = to_utime(time);
   result_.log_crc = crc32c_of(std::span<const std::int64_t>(&utime, 1), result_.log_crc);
   result_.log_crc = crc32c_of(bytes, result_.log_crc);

@@ -31,6 +31,7 @@ MissionSpec load_mission(const std::filesystem::path& file, const MissionOverrid
   spec.depth.rig = spec.odometry.rig = spec.tags.rig = spec.mapping.rig = kFilledIn;
   spec.base.port = "bus";
   spec.mapping.pose_source = "pair_pose";
+  spec.depth.publish_disparity = false;
   config::read(spec, {.file = file, .settings = overrides.settings});
   if (!overrides.world.empty()) spec.world = overrides.world;
   if (overrides.seed) spec.seed = *overrides.seed;

@@ -64,8 +64,6 @@ class MissionCollector {
   void take(Time time, const std::string& channel, BytesView bytes);
 
  private:
-  void write(Time time, const std::string& channel, BytesView bytes);
-
   MissionResult& result_;
   LogWriter* log_;
 };

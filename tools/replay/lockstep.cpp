@@ -16,6 +16,7 @@
 #include "mapping/surface/mesh_extraction.h"
 #include "tools/progress.h"
 #include "tools/replay/collect.h"
+#include "tools/replay/compact.h"
 #include "tools/replay/replay.h"
 
 namespace arpent::tools {
@@ -25,6 +26,11 @@ double process_cpu_s() {
   timespec t{};
   clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
   return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+}
+
+std::uint32_t crc_in_log(const std::string& channel, BytesView bytes) {
+  const Bytes compact = compact_for_log(channel, bytes);
+  return crc32c_of(BytesView(compact));
 }
 
 const std::vector<std::string> kAllProcesses{"depth", "odometry", "tag", "pose", "mapping"};
@@ -75,15 +81,19 @@ LogComparison compare_with_log(const ReplayInput& input, const ReplayResult& res
   std::map<std::string, std::vector<std::uint32_t>> logged;
   LogReader reader(input.log);
   while (const auto event = reader.next()) {
-    if (result.outputs.contains(event->channel)) logged[event->channel].push_back(crc32c_of(event->data));
+    if (!result.outputs.contains(event->channel)) continue;
+    logged[event->channel].push_back(crc_in_log(event->channel, event->data));
   }
   LogComparison comparison;
   for (const auto& [channel, crcs] : logged) {
     const std::vector<std::uint32_t>& ours = result.outputs.at(channel);
     comparison.compared += static_cast<std::int64_t>(crcs.size());
+    std::int64_t different = 0;
     for (std::size_t i = 0; i < std::max(crcs.size(), ours.size()); ++i) {
-      comparison.different += i >= crcs.size() || i >= ours.size() || crcs[i] != ours[i] ? 1 : 0;
+      different += i >= crcs.size() || i >= ours.size() || crcs[i] != ours[i] ? 1 : 0;
     }
+    comparison.different += different;
+    if (different > 0) comparison.different_by_channel[channel] = different;
   }
   return comparison;
 }
@@ -97,7 +107,7 @@ void Collector::take(Time time, const std::string& channel, BytesView bytes) {
   const std::int64_t utime = to_utime(time);
   result_.log_crc = crc32c_of(std::span<const std::int64_t>(&utime, 1), result_.log_crc);
   result_.log_crc = crc32c_of(bytes, result_.log_crc);
-  if (replayed_.contains(channel)) result_.outputs[channel].push_back(crc32c_of(bytes));
+  if (replayed_.contains(channel)) result_.outputs[channel].push_back(crc_in_log(channel, bytes));
   std::string fault;
   if (channel == channels::kOdometry) {
     odometry_t message;

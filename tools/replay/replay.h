@@ -113,6 +113,7 @@ struct ReplayDifference {
 struct LogComparison {
   std::int64_t compared = 0;   ///< messages that the log has
   std::int64_t different = 0;  ///< of them, those that the replay did not publish alike, and the replay's surplus
+  std::map<std::string, std::int64_t> different_by_channel;
 };
 /// Only for the whole log; channels that the log has nothing of do not count.
 [[nodiscard]] LogComparison compare_with_log(const ReplayInput& input, const ReplayResult& result);

@@ -183,8 +183,9 @@ Summary summarise(const ReplayInput& input, const ReplayResult& result, const Re
   // A part of the log, or every other pair, gives other messages.
   const bool whole = result.pairs == static_cast<std::int64_t>(input.pairs.size());
   if (const LogComparison log = compare_with_log(input, result); whole && log.compared > 0) {
-    figures.push_back({"equal to the log", log.different == 0 ? "yes" : "no",
-                       fmt::format("{} of {} messages differ", log.different, log.compared)});
+    std::string remark = fmt::format("{} of {} messages differ", log.different, log.compared);
+    for (const auto& [channel, count] : log.different_by_channel) remark += fmt::format(", {} {}", count, channel);
+    figures.push_back({"equal to the log", log.different == 0 ? "yes" : "no", remark});
   }
   if (live != nullptr) {
     summary.difference = compare(result, *live);

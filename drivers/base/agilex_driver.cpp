@@ -31,15 +31,12 @@ std::vector<std::string> AgilexDriver::step(Time now) {
   if (gate_.state() == GateState::kArmed && last_ && last_->mode == agilex::Mode::kStandby) {
     send(agilex::encode_mode(agilex::Mode::kCan));
   }
-  send(agilex::encode_motion(status_.commanded));
-  port_.flush();
+  send_motion(status_.commanded);
   return faults;
 }
 
-void AgilexDriver::stop(Time /*now*/) {
-  gate_.stop();
-  status_.commanded = {};
-  send(agilex::encode_motion({}));
+void AgilexDriver::send_motion(const Twist2& twist) {
+  send(agilex::encode_motion(twist));
   port_.flush();
 }
 

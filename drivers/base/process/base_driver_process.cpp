@@ -57,7 +57,7 @@ struct BaseDriverProcess::State {
   }
 
   void on_estop(BytesView bytes) {
-    driver().stop(clock.now());
+    driver().stop();
     estop_t message;
     std::string garbled;
     const bool readable = decode_guarded(bytes, message, garbled);
@@ -120,6 +120,7 @@ BaseDriverProcess::BaseDriverProcess(const Config& config, Bus& bus, Clock& cloc
   bus.subscribe_bytes(channels::kEstop, {.queue_capacity = kRequestQueue},
                       [state](BytesView bytes) { state->on_estop(bytes); });
   clock.every(base::kCycle, [state] { state->step(state->clock.now()); });
+  clock.every(base::kExpiryPeriod, [state] { state->driver().expire(state->clock.now()); });
 }
 
 BaseDriverProcess::~BaseDriverProcess() = default;

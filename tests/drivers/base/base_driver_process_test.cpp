@@ -7,6 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <arpent/can_frames_t.hpp>
 #include <arpent/estop_t.hpp>
 #include <filesystem>
@@ -159,6 +160,10 @@ TEST_F(BaseDriverProcessTest, SilenceStopsWithinTheDeadMansTimeWhateverTheStamps
   run(1000 * kMs);
   EXPECT_LE(last_motion() - last_command, 200 * kMs);
   EXPECT_GT(last_motion() - last_command, 150 * kMs);
+  const auto zero =
+      std::find_if(motions_.begin(), motions_.end(), [&](const auto& m) { return m.first > last_motion(); });
+  EXPECT_EQ(zero->second, Twist2{});
+  EXPECT_LE(zero->first - last_command, 205 * kMs) << "not only with the next cycle";
   EXPECT_LT(speed(), 0.02);
   EXPECT_GE(executor_.now() - motions_.back().first, Duration(0));
   EXPECT_LE(executor_.now() - motions_.back().first, 20 * kMs) << "zero is sent every cycle";

@@ -23,34 +23,49 @@ inside() {
   echo "exit $status"
 }
 
-# The chassis here is a person with cansend; what the driver says is what candump sees.
+# The chassis here is cansend; what the driver says is what candump sees.
 drive_with_can_utils() {
   echo "== can-utils against base_driver_process"
   ip link add dev vcan0 type vcan && ip link set vcan0 up
   local bin=$build/bin url='udpm://239.255.76.67:7667?ttl=0'
   candump -L vcan0 >/tmp/candump &
-  local candump=$!
   "$bin/base_driver_process" --set "robot=$root/config/robots/wifibot.yaml" --set port=vcan0 --lcm-url "$url" --run-for-s 60 2>/tmp/driver &
-  local driver=$! count=0 i
-  alive() { for i in 1 2 3 4 5; do cansend vcan0 "211#000100FA0000$(printf '%04X' $((count++ % 256)))"; sleep 0.1; done; }
-  sleep 0.5
-  cansend vcan0 211#00              # wrong size: counted, harmless
+  local driver=$!
+  # Signs of life, with the count that goes on.
+  (count=0; while sleep 0.05; do cansend vcan0 "211#000100FA0000$(printf '%04X' $((count++ % 256)))" 2>/dev/null || true; done) &
+  local life=$!
+  sleep 1
+  cansend vcan0 211#00 # wrong size: counted, harmless
   cansend vcan0 311#0000000000000000
-  alive
-  ( alive & "$bin/arpent-base" arm --lcm-url "$url"; wait )
+  "$bin/arpent-base" arm --lcm-url "$url"
   cansend vcan0 311#0000006400000064 # 100 mm on both sides
-  alive
+  sleep 0.5
   "$bin/arpent-base" status --lcm-url "$url"
-  "$bin/arpent-base" stop --lcm-url "$url"
-  ip link set vcan0 down; sleep 0.6; ip link set vcan0 up; sleep 0.6
-  alive
-  "$bin/arpent-base" status --lcm-url "$url"
+  echo "-- the interface goes down for a second"
+  ip link set vcan0 down; sleep 1; "$bin/arpent-base" status --lcm-url "$url"
+  ip link set vcan0 up; sleep 1
   "$bin/arpent-base" release --lcm-url "$url"
-  kill $driver && wait $driver || true
-  kill $candump || true
-  cat /tmp/driver
-  echo "motion commands of zero in candump's log: $(grep -c 'vcan0 111#0000000000000000' /tmp/candump)"
+  "$bin/arpent-base" arm --lcm-url "$url"
+  "$bin/arpent-base" stop --lcm-url "$url"
+  kill $life $driver && wait $driver || true
+  grep -v 'does not answer' /tmp/driver
+  echo "zero commands in candump's log: $(grep -c 'vcan0 111#0000000000000000' /tmp/candump), requests for CAN mode: $(grep -c 'vcan0 421#01' /tmp/candump)"
   ! grep 'vcan0 111#' /tmp/candump | grep -qv '111#0000000000000000'
+
+  echo "== can-mock and base_driver_process on vcan0"
+  candump -L vcan0 >/tmp/candump &
+  local dump=$!
+  "$bin/arpent-can-mock" --listen vcan0 --quiet --run-for-s 6 </dev/null &
+  "$bin/base_driver_process" --set "robot=$root/config/robots/wifibot.yaml" --set port=vcan0 --lcm-url "$url" --run-for-s 6 2>/tmp/driver &
+  driver=$!
+  sleep 2
+  "$bin/arpent-base" arm --lcm-url "$url"
+  sleep 1
+  "$bin/arpent-base" status --lcm-url "$url"
+  wait $driver
+  kill $dump
+  grep -m1 'vcan0 421#01' /tmp/candump
+  grep -m1 'vcan0 311#' /tmp/candump
 }
 
 if [ "${1:-}" = --inside ]; then
@@ -63,7 +78,7 @@ fi
 ARPENT_YES=1
 source "$root/tools/entrance/entrance.sh"
 ensure_packages vcan
-cmake --build "$build" --target socketcan_test base_driver_process arpent-base >&2
+cmake --build "$build" --target socketcan_test base_driver_process arpent-base arpent-can-mock >&2
 scratch=$(mktemp -d)
 trap 'rm -rf "$scratch"' EXIT
 cat >"$scratch/init.sh" <<INIT

@@ -38,7 +38,9 @@ struct BaseDriverProcess::State {
   std::int64_t bad_frames = 0, refused_sends = 0;
 
   State(const Config& config, Bus& process_bus, Clock& process_clock)
-      : bus(process_bus), clock(process_clock), base(load_robot(config), config.dry_run, process_bus, process_clock) {}
+      : bus(process_bus),
+        clock(process_clock),
+        base(load_robot(config), {config.dry_run, config.can_log}, process_bus, process_clock) {}
 
   base::BaseDriver& driver() { return base.driver(); }
   Health& health() { return bus.health(); }

@@ -32,7 +32,10 @@ drive_with_can_utils() {
   "$bin/base_driver_process" --set "robot=$root/config/robots/wifibot.yaml" --set port=vcan0 --lcm-url "$url" --run-for-s 60 2>/tmp/driver &
   local driver=$!
   # Signs of life, with the count that goes on.
-  (count=0; while sleep 0.05; do cansend vcan0 "211#000100FA0000$(printf '%04X' $((count++ % 256)))" 2>/dev/null || true; done) &
+  (count=0; while sleep 0.05; do
+    count=$(((count + 1) % 256))
+    cansend vcan0 "211#000000FA0000$(printf '%04X' $count)" 2>/dev/null || true
+  done) &
   local life=$!
   sleep 1
   cansend vcan0 211#00 # wrong size: counted, harmless

@@ -30,13 +30,10 @@ drive_with_can_utils() {
   local bin=$build/bin url='udpm://239.255.76.67:7667?ttl=0'
   candump -L vcan0 >/tmp/candump &
   "$bin/base_driver_process" --set "robot=$root/config/robots/wifibot.yaml" --set port=vcan0 --lcm-url "$url" --run-for-s 60 2>/tmp/driver &
-  local driver=$!
-  # Signs of life, with the count that goes on.
-  (count=0; while sleep 0.05; do
-    count=$(((count + 1) % 256))
-    cansend vcan0 "211#000000FA0000$(printf '%04X' $count)" 2>/dev/null || true
-  done) &
-  local life=$!
+  local driver=$! i
+  # Signs of life every 100 ms, with the count that goes on.
+  for i in $(seq 0 255); do printf '(%d.%06d) vcan0 211#000000FA000000%02X\n' $((i / 10)) $((i % 10 * 100000)) "$i"; done >/tmp/life
+  canplayer -I /tmp/life -l i &
   sleep 1
   cansend vcan0 211#00 # wrong size: counted, harmless
   cansend vcan0 311#0000000000000000
@@ -46,11 +43,14 @@ drive_with_can_utils() {
   "$bin/arpent-base" status --lcm-url "$url"
   echo "-- the interface goes down for a second"
   ip link set vcan0 down; sleep 1; "$bin/arpent-base" status --lcm-url "$url"
-  ip link set vcan0 up; sleep 1
+  ip link set vcan0 up
+  canplayer -I /tmp/life -l i & # the first one ended with the interface
+  local life=$!
+  sleep 1
   "$bin/arpent-base" release --lcm-url "$url"
   "$bin/arpent-base" arm --lcm-url "$url"
   "$bin/arpent-base" stop --lcm-url "$url"
-  kill $life $driver && wait $driver || true
+  kill $life $driver; wait $driver || true
   grep -v 'does not answer' /tmp/driver
   echo "zero commands in candump's log: $(grep -c 'vcan0 111#0000000000000000' /tmp/candump), requests for CAN mode: $(grep -c 'vcan0 421#01' /tmp/candump)"
   ! grep 'vcan0 111#' /tmp/candump | grep -qv '111#0000000000000000'

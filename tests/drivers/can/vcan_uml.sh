@@ -8,6 +8,10 @@ set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../../.." && pwd)
 build=${1:-$root/build/release}
 
+status=0
+check() { "$@" || { echo "FAILED: $*"; status=1; }; }
+only_zero_commands() { ! grep 'vcan0 111#' "$1" | grep -qv '111#0000000000000000'; }
+
 inside() {
   export PATH=/usr/sbin:/usr/bin:/sbin:/bin
   mount -t proc none /proc && mount -t sysfs none /sys && mount -t tmpfs none /tmp && mount -t tmpfs none /run
@@ -16,10 +20,10 @@ inside() {
   ip link set lo up && ip route add 224.0.0.0/4 dev lo
   echo "== kernel $(uname -r)"
   echo "== socketcan_test"
-  local status=0
-  "$build/tests/socketcan_test" --gtest_brief=0 | grep -E '^\[ +(OK|FAILED|SKIPPED|PASSED) ' || status=1
-  "$build/tests/socketcan_test" >/dev/null || status=1
-  drive_with_can_utils || status=1
+  check "$build/tests/socketcan_test" --gtest_brief=0 >/tmp/socketcan
+  grep -E '^\[ +(OK|FAILED|SKIPPED|PASSED) |^FAILED' /tmp/socketcan
+  check grep -q 'PASSED.* 6 tests' /tmp/socketcan # none skipped
+  drive_with_can_utils
   echo "exit $status"
 }
 
@@ -37,23 +41,24 @@ drive_with_can_utils() {
   sleep 1
   cansend vcan0 211#00 # wrong size: counted, harmless
   cansend vcan0 311#0000000000000000
-  "$bin/arpent-base" arm --lcm-url "$url"
+  check "$bin/arpent-base" arm --lcm-url "$url"
   cansend vcan0 311#0000006400000064 # 100 mm on both sides
   sleep 0.5
-  "$bin/arpent-base" status --lcm-url "$url"
+  check "$bin/arpent-base" status --lcm-url "$url"
   echo "-- the interface goes down for a second"
-  ip link set vcan0 down; sleep 1; "$bin/arpent-base" status --lcm-url "$url"
+  ip link set vcan0 down; sleep 1; check "$bin/arpent-base" status --lcm-url "$url"
   ip link set vcan0 up
   canplayer -I /tmp/life -l i & # the first one ended with the interface
   local life=$!
   sleep 1
-  "$bin/arpent-base" release --lcm-url "$url"
-  "$bin/arpent-base" arm --lcm-url "$url"
-  "$bin/arpent-base" stop --lcm-url "$url"
+  check "$bin/arpent-base" release --lcm-url "$url"
+  check "$bin/arpent-base" arm --lcm-url "$url"
+  check "$bin/arpent-base" stop --lcm-url "$url"
   kill $life $driver; wait $driver || true
   grep -v 'does not answer' /tmp/driver
   echo "zero commands in candump's log: $(grep -c 'vcan0 111#0000000000000000' /tmp/candump), requests for CAN mode: $(grep -c 'vcan0 421#01' /tmp/candump)"
-  ! grep 'vcan0 111#' /tmp/candump | grep -qv '111#0000000000000000'
+  check grep -q 'vcan0 111#0000000000000000' /tmp/candump
+  check only_zero_commands /tmp/candump
 
   echo "== can-mock and base_driver_process on vcan0"
   candump -L vcan0 >/tmp/candump &
@@ -62,13 +67,13 @@ drive_with_can_utils() {
   "$bin/base_driver_process" --set "robot=$root/config/robots/wifibot.yaml" --set port=vcan0 --lcm-url "$url" --run-for-s 6 2>/tmp/driver &
   driver=$!
   sleep 2
-  "$bin/arpent-base" arm --lcm-url "$url"
+  check "$bin/arpent-base" arm --lcm-url "$url"
   sleep 1
-  "$bin/arpent-base" status --lcm-url "$url"
+  check "$bin/arpent-base" status --lcm-url "$url"
   wait $driver
   kill $dump
-  grep -m1 'vcan0 421#01' /tmp/candump
-  grep -m1 'vcan0 311#' /tmp/candump
+  check grep -m1 'vcan0 421#01' /tmp/candump
+  check grep -m1 'vcan0 311#' /tmp/candump
 }
 
 if [ "${1:-}" = --inside ]; then

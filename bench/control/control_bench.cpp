@@ -2,14 +2,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
 // bench `control`: the path tracker on a plant with lag, delay, a wrong yaw gain and pose noise, over paths with turns
-// of 0.5 m radius: errors across the path and CPU time of a step; and the dead man's
-// switch of the base driver under random stops.
+// of 0.5 m radius: errors across the path and CPU time of a step; the dead man's switch of the base driver under random
+// stops, on a fake clock and live; and the live emergency stop on a busy machine.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <random>
 #include <vector>
 
+#include "bench/control/live_base.h"
 #include "bench/harness.h"
 #include "control/path_tracker.h"
 #include "drivers/base/agilex_driver.h"
@@ -127,6 +128,7 @@ void body(bench::Report& report) {
   const auto [misses, latest_ms] = dead_man(100000);
   report.add("deadman.misses", misses, "1", "bar 0; of 100000 stops on a fake clock");
   report.add("deadman.latest_ms", latest_ms, "ms");
+  bench::time_live_base(report);
   Errors errors;
   int arrived = 0;
   for (unsigned seed = 1; seed <= kSeeds; ++seed) {

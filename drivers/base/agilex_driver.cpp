@@ -8,6 +8,8 @@ namespace {
 constexpr double kMetresPerCount = 1e-3;
 /// What the fastest of these chassis can do; limits of the mission are the gate's.
 constexpr double kChassisMaxMps = 3.0;
+/// A flood of frames does not keep a cycle from its command; a full bus carries 100 frames in 20 ms.
+constexpr int kMostFrames = 1000;
 
 }  // namespace
 
@@ -16,7 +18,9 @@ AgilexDriver::AgilexDriver(const DriverParams& params, can::CanPort& port)
 
 std::vector<std::string> AgilexDriver::step(Time now) {
   Faults faults;
-  while (const auto received = port_.receive()) {
+  for (int i = 0; i < kMostFrames; ++i) {
+    const auto received = port_.receive();
+    if (!received) break;
     const auto report = agilex::decode(received->frame);
     if (report) {
       std::visit([&](const auto& r) { take(r, received->stamp, faults); }, *report);
@@ -31,15 +35,12 @@ std::vector<std::string> AgilexDriver::step(Time now) {
   if (gate_.state() == GateState::kArmed && last_ && last_->mode == agilex::Mode::kStandby) {
     send(agilex::encode_mode(agilex::Mode::kCan));
   }
-  send(agilex::encode_motion(status_.commanded));
-  port_.flush();
+  send_motion(status_.commanded);
   return faults;
 }
 
-void AgilexDriver::stop(Time /*now*/) {
-  gate_.stop();
-  status_.commanded = {};
-  send(agilex::encode_motion({}));
+void AgilexDriver::send_motion(const Twist2& twist) {
+  send(agilex::encode_motion(twist));
   port_.flush();
 }
 
@@ -73,6 +74,8 @@ void AgilexDriver::take(const agilex::SystemState& state, Time stamp, Faults& fa
   tell(state.undervoltage_fault, last_ && last_->undervoltage_fault, "the battery is empty: the chassis stands");
   tell(state.vehicle == agilex::VehicleState::kException, last_ && last_->vehicle == agilex::VehicleState::kException,
        "the chassis reports an exception");
+  // Who takes the base by hand gives back one that stands.
+  if (remote && !status_.remote_control) gate_.disarm();
   // The button stops the stack too: what is released at the chassis is still latched here.
   if (stopped) gate_.stop();
   status_.remote_control = remote;

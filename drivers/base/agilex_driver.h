@@ -20,13 +20,13 @@ class AgilexDriver : public BaseDriver {
   AgilexDriver(const DriverParams& params, can::CanPort& port);
 
   std::vector<std::string> step(Time now) override;
-  void stop(Time now) override;
 
  private:
   using Faults = std::vector<std::string>;
   void take(const agilex::SystemState& state, Time stamp, Faults& faults);
   void take(const agilex::MotionState& state, Time stamp, Faults& faults);
   void take(const agilex::Odometry& odometry, Time stamp, Faults& faults);
+  void send_motion(const Twist2& twist) override;
   void watch_port(Faults& faults);
   void send(const can::CanFrame& frame);
 

@@ -42,6 +42,18 @@ BaseDriver::BaseDriver(const DriverParams& params, double unit_m, double max_spe
   config::check(params.gate.limits, "base");
 }
 
+void BaseDriver::stop() {
+  gate_.stop();
+  status_.commanded = {};
+  send_motion({});
+}
+
+void BaseDriver::expire(Time now) {
+  if (status_.commanded == Twist2{} || gate_.output(now) != Twist2{}) return;
+  status_.commanded = {};
+  send_motion({});
+}
+
 void BaseDriver::take_odometers(std::int32_t left, std::int32_t right, Time stamp, std::vector<std::string>& faults) {
   const double turning = 0.5 * geometry_.track_m * status_.commanded.turn_rate_radps;
   const double told = status_.commanded.speed_mps;

@@ -39,6 +39,8 @@ struct BaseStatus {
 
 /// How often a base sends and hears.
 inline constexpr Duration kCycle{20000};
+/// How often a command is looked at for having run out.
+inline constexpr Duration kExpiryPeriod{5000};
 /// Without a report for so long the base counts as silent.
 inline constexpr Duration kSilence{500000};
 
@@ -54,13 +56,17 @@ class BaseDriver {
   /// itself. Returns what is to be reported, new faults only.
   virtual std::vector<std::string> step(Time now) = 0;
   /// Latches the emergency stop and sends zero at once, without waiting for the next cycle.
-  virtual void stop(Time now) = 0;
+  void stop();
+  /// Sends zero at once if the command has run out since the cycle. To be called more often than cycles are.
+  void expire(Time now);
 
  protected:
   /// `unit_m`: way of a side per count of its odometer. `max_speed_mps`: what the base can do at most, in counters that
   /// jump by more. Throws InputError for parameters that break their rules.
   BaseDriver(const DriverParams& params, double unit_m, double max_speed_mps);
 
+  /// Tells the base to move like this, now.
+  virtual void send_motion(const Twist2& twist) = 0;
   /// Adds up the ways of both sides and compares them with what they were told.
   void take_odometers(std::int32_t left, std::int32_t right, Time stamp, std::vector<std::string>& faults);
   /// A report has come that proves the base alive.

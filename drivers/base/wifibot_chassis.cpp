@@ -30,6 +30,10 @@ bool is_size(std::uint8_t sync, std::uint8_t size) {
   return sync == kStreamSync && (size == kStreamSpeedSize || size == kWatchdogSize);
 }
 
+int from_scale(int scaled) {
+  return static_cast<int>(std::lround(static_cast<double>(scaled) * wifibot::kMaxSpeedTicks / kFullScale));
+}
+
 }  // namespace
 
 int WifibotChassis::receive(std::span<const std::uint8_t> bytes, Time now) {
@@ -53,31 +57,29 @@ std::size_t WifibotChassis::take(std::span<const std::uint8_t> b, Time now, int&
   if (!is_size(sync, b[1])) return 1;
   const std::size_t size = b[1] + 2U;
   if (b.size() < size) return 0;
-  const auto frame = b.first(size);
-  if (!sealed(frame)) return 1;
+  if (!sealed(b.first(size))) return 1;
+  apply(b.first(size), now);
   ++commands;
-  const auto signs = [&](std::uint8_t flags, int left, int right) {
-    drive((flags & kLeftForward) != 0 ? left : -left, (flags & kRightForward) != 0 ? right : -right, now);
-  };
-  const auto from_scale = [](int scaled) {
-    return static_cast<int>(std::lround(static_cast<double>(scaled) * wifibot::kMaxSpeedTicks / kFullScale));
-  };
-  if (sync == kClassicSync && b[1] == kSpeedSize) {
-    signs(frame[6], get16(frame, 2), get16(frame, 4));
-  } else if (sync == kClassicSync) {
-    motors_.set_count(Side::kLeft, 0);
-    motors_.set_count(Side::kRight, 0);
-  } else if (b[1] == kStreamSpeedSize && frame[2] == kStreamSpeed) {
-    signs(frame[7], from_scale(get16(frame, 3)), from_scale(get16(frame, 5)));
-  } else if (b[1] == kWatchdogSize && frame[2] == kWatchdog) {
-    watchdog_ = get16(frame, 3) * kWatchdogUnit;
-  }
   return size;
 }
 
-void WifibotChassis::drive(int left_ticks, int right_ticks, Time now) {
-  left_ticks_ = left_ticks;
-  right_ticks_ = right_ticks;
+void WifibotChassis::apply(std::span<const std::uint8_t> frame, Time now) {
+  const std::uint8_t size = frame[1];
+  if (frame[0] == kClassicSync && size == kSpeedSize) {
+    drive(frame[6], get16(frame, 2), get16(frame, 4), now);
+  } else if (frame[0] == kClassicSync) {
+    motors_.set_count(Side::kLeft, 0);
+    motors_.set_count(Side::kRight, 0);
+  } else if (size == kStreamSpeedSize && frame[2] == kStreamSpeed) {
+    drive(frame[7], from_scale(get16(frame, 3)), from_scale(get16(frame, 5)), now);
+  } else if (size == kWatchdogSize && frame[2] == kWatchdog) {
+    watchdog_ = get16(frame, 3) * kWatchdogUnit;
+  }
+}
+
+void WifibotChassis::drive(std::uint8_t flags, int left_ticks, int right_ticks, Time now) {
+  left_ticks_ = (flags & kLeftForward) != 0 ? left_ticks : -left_ticks;
+  right_ticks_ = (flags & kRightForward) != 0 ? right_ticks : -right_ticks;
   commanded_at_ = now;
 }
 

@@ -37,7 +37,9 @@ class WifibotChassis {
  private:
   /// Takes one command from the front; the bytes that it or the rubbish there had, 0 if more are needed.
   std::size_t take(std::span<const std::uint8_t> bytes, Time now, int& commands);
-  void drive(int left_ticks, int right_ticks, Time now);
+  /// A whole command with a right checksum.
+  void apply(std::span<const std::uint8_t> frame, Time now);
+  void drive(std::uint8_t flags, int left_ticks, int right_ticks, Time now);
 
   WifibotChassisParams params_;
   WheelMotors motors_;

@@ -51,14 +51,8 @@ std::vector<std::string> WifibotDriver::step(Time now) {
   judge_silence(now, faults);
   status_.commanded = gate_.output(now);
   wake(now);
-  send_command();
+  send_motion(status_.commanded);
   return faults;
-}
-
-void WifibotDriver::stop(Time /*now*/) {
-  gate_.stop();
-  status_.commanded = {};
-  send_command();
 }
 
 void WifibotDriver::take(const wifibot::Telemetry& telemetry, Time stamp, Faults& faults) {
@@ -98,12 +92,12 @@ void WifibotDriver::wake(Time now) {
   send(wifibot::encode(wifibot::PidCommand{}));
 }
 
-void WifibotDriver::send_command() {
-  const double turning = 0.5 * geometry_.track_m * status_.commanded.turn_rate_radps;
+void WifibotDriver::send_motion(const Twist2& twist) {
+  const double turning = 0.5 * geometry_.track_m * twist.turn_rate_radps;
   const auto ticks = [&](double mps) { return static_cast<int>(std::lround(mps * config_.command_ticks_per_mps)); };
   wifibot::SpeedCommand command;
-  command.left_ticks = ticks(status_.commanded.speed_mps - turning);
-  command.right_ticks = ticks(status_.commanded.speed_mps + turning);
+  command.left_ticks = ticks(twist.speed_mps - turning);
+  command.right_ticks = ticks(twist.speed_mps + turning);
   send(wifibot::encode(command));
 }
 

@@ -22,7 +22,6 @@ class WifibotDriver : public BaseDriver {
   WifibotDriver(const DriverParams& params, const WifibotConfig& config, BytePort& port);
 
   std::vector<std::string> step(Time now) override;
-  void stop(Time now) override;
 
  private:
   using Faults = std::vector<std::string>;
@@ -31,7 +30,7 @@ class WifibotDriver : public BaseDriver {
   void watch_port(Faults& faults);
   void measure_twist();
   void wake(Time now);
-  void send_command();
+  void send_motion(const Twist2& twist) override;
   void send(std::span<const std::uint8_t> bytes);
 
   WifibotConfig config_;

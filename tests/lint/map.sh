@@ -13,7 +13,7 @@ done
 for file in $(grep -ohE '\]\((docs|bench|LICENSE)[^)]*\)' README.md | tr -d '()' | sed 's/^]//'); do
   [ -e "$file" ] || { echo "README.md names $file, which is not there"; status=1; }
 done
-for verb in $(grep -oE '\./arpent [a-z]+' README.md docs/*.md | awk '{print $2}' | sort -u); do
+for verb in $(grep -oE '\./arpent [a-z-]+' README.md docs/*.md | awk '{print $2}' | sort -u); do
   grep -qE "(^|[ |])$verb( |\)|$)" arpent || { echo "documents name the verb $verb, which ./arpent does not know"; status=1; }
 done
 exit $status

@@ -26,7 +26,7 @@ class Collector {
   std::set<std::string> replayed_;
 };
 
-/// Which part of a log is played.
+/// Which part of a log is played. What comes before the first pair belongs to the beginning.
 class Window {
  public:
   Window(Time begin, const ReplayOptions& options) : begin_(begin), options_(options) {}

@@ -36,12 +36,14 @@ struct Contents {
   evaluation::Trajectory truth;
   std::int64_t unreadable = 0;
   bool drive = false;
+  std::optional<Time> begin;
 };
 
 Contents scan(LogReader& reader) {
   Contents contents;
   while (const auto event = reader.next()) {
     std::string fault;
+    if (event->channel != channels::kConfig && !contents.begin) contents.begin = event->time;
     if (event->channel == channels::kStereoImages) {
       contents.pairs.push_back(event->time);
     } else if (event->channel == channels::kWheelState) {
@@ -90,6 +92,7 @@ ReplayInput open_log(const std::filesystem::path& log, const std::filesystem::pa
   }
   (void)load_rig(input.rig_file);
   input.drive = contents.drive;
+  input.begin = contents.begin.value_or(input.pairs.front());
   use_rig(input);
   config::read(input.config,
                {.text = contents.configs["replay"], .text_name = log.string() + " (replay)", .settings = settings});

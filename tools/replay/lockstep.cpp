@@ -127,7 +127,7 @@ void Collector::take(Time time, const std::string& channel, BytesView bytes) {
 
 bool Window::wants(Time time, std::int64_t index) const {
   const Duration since = time - begin_ - from_seconds(options_.start_s);
-  return since >= Duration(0) && since < from_seconds(options_.duration_s) && index % options_.step == 0;
+  return (since >= Duration(0) || options_.start_s == 0) && since < from_seconds(options_.duration_s) && index % options_.step == 0;
 }
 
 ReplayResult run_lockstep(const ReplayInput& input, const ReplayOptions& options) {
@@ -139,7 +139,7 @@ ReplayResult run_lockstep(const ReplayInput& input, const ReplayOptions& options
   if (!options.out_log.empty()) log = std::make_unique<LogWriter>(options.out_log);
   const std::set<std::string> running = processes_to_run(input, options);
   Collector collector(result, log.get(), running);
-  LockstepStack stack(input.pairs.front(), options.threads);
+  LockstepStack stack(input.begin, options.threads);
   LockstepExecutor& executor = stack.executor();
   executor.set_tap(
       [&](Time time, const std::string& channel, BytesView bytes) { collector.take(time, channel, bytes); });

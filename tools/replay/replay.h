@@ -53,6 +53,7 @@ struct ReplayInput {
   std::filesystem::path log;
   std::filesystem::path rig_file;  ///< extracted beside the outputs
   ReplayConfig config;
+  Time begin{};                       ///< of the first event that is no configuration
   std::vector<Time> pairs;            ///< times of the stereo pairs
   bool drive = false;                 ///< the log has the wheels of a drive, so that tags and the fused pose can run
   evaluation::Trajectory truth;       ///< T_world_body; empty if unknown

@@ -38,7 +38,9 @@ struct BaseDriverProcess::State {
   std::int64_t bad_frames = 0, refused_sends = 0;
 
   State(const Config& config, Bus& process_bus, Clock& process_clock)
-      : bus(process_bus), clock(process_clock), base(load_robot(config), config.dry_run, process_bus, process_clock) {}
+      : bus(process_bus),
+        clock(process_clock),
+        base(load_robot(config), {config.dry_run, config.can_log}, process_bus, process_clock) {}
 
   base::BaseDriver& driver() { return base.driver(); }
   Health& health() { return bus.health(); }
@@ -57,7 +59,7 @@ struct BaseDriverProcess::State {
   }
 
   void on_estop(BytesView bytes) {
-    driver().stop(clock.now());
+    driver().stop();
     estop_t message;
     std::string garbled;
     const bool readable = decode_guarded(bytes, message, garbled);
@@ -120,6 +122,7 @@ BaseDriverProcess::BaseDriverProcess(const Config& config, Bus& bus, Clock& cloc
   bus.subscribe_bytes(channels::kEstop, {.queue_capacity = kRequestQueue},
                       [state](BytesView bytes) { state->on_estop(bytes); });
   clock.every(base::kCycle, [state] { state->step(state->clock.now()); });
+  clock.every(base::kExpiryPeriod, [state] { state->driver().expire(state->clock.now()); });
 }
 
 BaseDriverProcess::~BaseDriverProcess() = default;

@@ -18,6 +18,7 @@ namespace arpent {
 struct BaseDriverConfig {
   std::filesystem::path robot;
   std::string port;
+  std::filesystem::path can_log;
   bool dry_run = false;
 
   template <class Self, class Visitor>
@@ -25,6 +26,7 @@ struct BaseDriverConfig {
     visitor.field("robot", self.robot, "robot file: limits, protocol, port and geometry of the base",
                   config::required_path());
     visitor.field("port", self.port, "instead of the robot file's; empty: that one");
+    visitor.field("can_log", self.can_log, "all CAN frames go to this file too, as from candump -l; empty: no");
     visitor.field("dry_run", self.dry_run, "listen and report, but send nothing to the base");
   }
 };

@@ -4,6 +4,7 @@
 // The driver and the port that a robot file asks for, held together.
 #pragma once
 
+#include <filesystem>
 #include <memory>
 
 #include "common/bus/bus.h"
@@ -14,10 +15,15 @@
 
 namespace arpent::base {
 
+struct OpenOptions {
+  bool dry_run = false;
+  std::filesystem::path can_log;  ///< empty: none
+};
+
 class OpenBase {
  public:
   /// Throws InputError for limits, a geometry, a protocol or a port that cannot be used. Bus and clock must outlive it.
-  OpenBase(const RobotConfig& robot, bool dry_run, Bus& bus, Clock& clock);
+  OpenBase(const RobotConfig& robot, const OpenOptions& options, Bus& bus, Clock& clock);
 
   [[nodiscard]] BaseDriver& driver() { return *driver_; }
 

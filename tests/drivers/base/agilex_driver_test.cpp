@@ -113,6 +113,34 @@ TEST_F(AgilexDriverTest, ARestartedChassisIsTakenOverAgainAndItsWayGoesOn) {
   EXPECT_THAT(faults_, Contains(HasSubstr("set to zero")));
 }
 
+TEST_F(AgilexDriverTest, WhatTheRemoteControlGivesBackStands) {
+  arm();
+  run(50, Twist2{0.5, 0});
+  chassis_.take_remote_control(true, {-0.2, 0});
+  run(50, Twist2{0.5, 0});
+  EXPECT_NEAR(chassis_.twist().speed_mps, -0.2, 0.01) << "the sticks drive";
+  chassis_.take_remote_control(false);
+  run(50, Twist2{0.5, 0});
+  EXPECT_LT(std::abs(chassis_.twist().speed_mps), 0.01);
+  EXPECT_EQ(driver_.gate().state(), GateState::kDisarmed);
+}
+
+TEST_F(AgilexDriverTest, AFloodOfFramesDoesNotKeepACycleFromItsCommand) {
+  struct Flood : can::CanPort {
+    bool send(const can::CanFrame&) override { return ++sent > 0; }
+    std::optional<can::LoggedFrame> receive() override {
+      return can::LoggedFrame{Time(), "x", *can::from_text("7FF#")};
+    }
+    can::PortState state() const override { return can::PortState::kActive; }
+    can::PortCounters counters() const override { return {}; }
+    int sent = 0;
+  } flood;
+  AgilexDriver driver({}, flood);
+  (void)driver.step(now_);
+  EXPECT_EQ(flood.sent, 1);
+  EXPECT_EQ(driver.status().bad_frames, 0) << "frames of others";
+}
+
 TEST_F(AgilexDriverTest, BusOffStopsAndItsEndIsReported) {
   arm();
   run(50, Twist2{0.5, 0});

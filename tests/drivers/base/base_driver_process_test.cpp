@@ -7,6 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <arpent/can_frames_t.hpp>
 #include <arpent/estop_t.hpp>
 #include <filesystem>
@@ -20,6 +21,7 @@
 #include "common/error.h"
 #include "drivers/base/agilex_chassis.h"
 #include "drivers/base/wire.h"
+#include "drivers/can/candump.h"
 #include "drivers/can/process/bus_port.h"
 #include "drivers/can/wire.h"
 
@@ -159,6 +161,10 @@ TEST_F(BaseDriverProcessTest, SilenceStopsWithinTheDeadMansTimeWhateverTheStamps
   run(1000 * kMs);
   EXPECT_LE(last_motion() - last_command, 200 * kMs);
   EXPECT_GT(last_motion() - last_command, 150 * kMs);
+  const auto zero =
+      std::find_if(motions_.begin(), motions_.end(), [&](const auto& m) { return m.first > last_motion(); });
+  EXPECT_EQ(zero->second, Twist2{});
+  EXPECT_LE(zero->first - last_command, 205 * kMs) << "not only with the next cycle";
   EXPECT_LT(speed(), 0.02);
   EXPECT_GE(executor_.now() - motions_.back().first, Duration(0));
   EXPECT_LE(executor_.now() - motions_.back().first, 20 * kMs) << "zero is sent every cycle";
@@ -243,6 +249,23 @@ TEST_F(BaseDriverProcessTest, ADryRunListensAndSendsNothing) {
   EXPECT_EQ(states_.back().status.commanded, (Twist2{0.4, 0}));
 }
 
+TEST_F(BaseDriverProcessTest, ACanLogHoldsWhatWasSentAndHeard) {
+  const std::filesystem::path file = std::filesystem::path(testing::TempDir()) / "base_driver_can_log";
+  BaseDriverConfig recording = config();
+  recording.can_log = file;
+  start(recording);
+  arm();
+  process_.reset();
+  const auto frames = can::read_candump(file);
+  const auto count = [&](std::uint32_t id) {
+    return std::count_if(frames.begin(), frames.end(), [&](const auto& f) { return f.frame.id == id; });
+  };
+  EXPECT_EQ(count(base::agilex::kMotionCommandId), 20) << "400 ms of cycles";
+  EXPECT_EQ(count(base::agilex::kOdometryId), 19);
+  EXPECT_GE(count(base::agilex::kModeCommandId), 1);
+  std::filesystem::remove(file);
+}
+
 TEST_F(BaseDriverProcessTest, ItCannotBeArmedWhileTheBaseDoesNotAnswer) {
   const auto endpoint = executor_.add_process("base_driver_process");
   BaseDriverProcess process(config(), endpoint.bus, endpoint.clock);
@@ -295,7 +318,8 @@ TEST(BaseDriverConfigTest, ARobotOrAPortThatCannotBeIsOneClearError) {
     const std::string text = "rig: rig.yaml\nbase:\n" + base_lines;
     atomic_write(folder / "robot.yaml", text);
     try {
-      const BaseDriverProcess process({.robot = folder / "robot.yaml", .port = port, .dry_run = false}, b, c);
+      const BaseDriverProcess process({.robot = folder / "robot.yaml", .port = port, .can_log = {}, .dry_run = false},
+                                      b, c);
     } catch (const InputError& error) {
       return std::string(error.what());
     }

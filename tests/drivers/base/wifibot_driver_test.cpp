@@ -83,7 +83,7 @@ TEST_F(WifibotDriverTest, TheDeadManAndTheEmergencyStopStopIt) {
   run(25);
   EXPECT_LT(std::abs(chassis_.twist().speed_mps), 0.01);
   run(50, Twist2{0.4, 0});
-  driver_.stop(now_);
+  driver_.stop();
   chassis_.receive(std::exchange(line_.to_board, {}), now_);
   chassis_.step(now_, 1.0);
   EXPECT_LT(std::abs(chassis_.twist().speed_mps), 0.01) << "without another cycle of the driver";

@@ -17,7 +17,7 @@ namespace arpent::planning {
 struct LatticeParams {
   double turn_radius_m = 0.5;
   double step_m = 0.25;
-  int max_expansions = 30000;
+  int max_expansions = 10000;
   int max_refining_expansions = 600;
 
   template <class Self, class Visitor>

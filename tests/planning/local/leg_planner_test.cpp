@@ -153,7 +153,7 @@ class EitherPlanner : public testing::TestWithParam<const char*> {};
 TEST_P(EitherPlanner, EveryLegInRandomWorldsIsFreeAndForwards) {
   const LegPlanner planner = make_planner(GetParam());
   std::mt19937 random(7);
-  const int worlds = std::string(GetParam()) == "lattice" ? 60 : 8;
+  const int worlds = std::string(GetParam()) == "lattice" ? 36 : 8;
   int found = 0, asked = 0, lost = 0;
   for (int trial = 0; trial < worlds; ++trial) {
     const FlatWorld world = random_world(random, 7);
@@ -180,7 +180,7 @@ TEST_P(EitherPlanner, EveryLegInRandomWorldsIsFreeAndForwards) {
   }
   EXPECT_GT(asked, worlds / 2);
   EXPECT_GT(found, asked * 6 / 10);
-  EXPECT_LE(lost, std::string(GetParam()) == "lattice" ? asked / 50 : asked / 4) << "for want of steps";
+  EXPECT_LE(lost, std::string(GetParam()) == "lattice" ? 1 + asked / 50 : asked / 4) << "for want of steps";
 }
 
 /// Whether all voxels of the band under the ellipse were known.

@@ -80,13 +80,18 @@ std::set<std::string> processes_to_run(const ReplayInput& input, const ReplayOpt
 LogComparison compare_with_log(const ReplayInput& input, const ReplayResult& result) {
   std::map<std::string, std::vector<std::uint32_t>> logged;
   LogReader reader(input.log);
+  Time end = input.begin;
   while (const auto event = reader.next()) {
+    end = std::max(end, event->time);
     if (!result.outputs.contains(event->channel)) continue;
     logged[event->channel].push_back(crc_in_log(event->channel, event->data));
   }
   LogComparison comparison;
   for (const auto& [channel, crcs] : logged) {
-    const std::vector<std::uint32_t>& ours = result.outputs.at(channel);
+    std::vector<std::uint32_t> ours;
+    for (const auto& [time, crc] : result.outputs.at(channel)) {
+      if (time <= end) ours.push_back(crc);
+    }
     comparison.compared += static_cast<std::int64_t>(crcs.size());
     std::int64_t different = 0;
     for (std::size_t i = 0; i < std::max(crcs.size(), ours.size()); ++i) {
@@ -107,7 +112,7 @@ void Collector::take(Time time, const std::string& channel, BytesView bytes) {
   const std::int64_t utime = to_utime(time);
   result_.log_crc = crc32c_of(std::span<const std::int64_t>(&utime, 1), result_.log_crc);
   result_.log_crc = crc32c_of(bytes, result_.log_crc);
-  if (replayed_.contains(channel)) result_.outputs[channel].push_back(crc_in_log(channel, bytes));
+  if (replayed_.contains(channel)) result_.outputs[channel].push_back({time, crc_in_log(channel, bytes)});
   std::string fault;
   if (channel == channels::kOdometry) {
     odometry_t message;
@@ -127,7 +132,8 @@ void Collector::take(Time time, const std::string& channel, BytesView bytes) {
 
 bool Window::wants(Time time, std::int64_t index) const {
   const Duration since = time - begin_ - from_seconds(options_.start_s);
-  return (since >= Duration(0) || options_.start_s == 0) && since < from_seconds(options_.duration_s) && index % options_.step == 0;
+  return (since >= Duration(0) || options_.start_s == 0) && since < from_seconds(options_.duration_s) &&
+         index % options_.step == 0;
 }
 
 ReplayResult run_lockstep(const ReplayInput& input, const ReplayOptions& options) {

@@ -84,8 +84,12 @@ struct ReplayResult {
   std::map<std::int64_t, std::uint32_t> map_digests;  ///< by utime
   TriangleMesh mesh;
   std::map<std::string, ProcessFigures> processes;
-  /// CRC-32C of each message that the replayed processes published, by channel, in order.
-  std::map<std::string, std::vector<std::uint32_t>> outputs;
+  /// Each message that the replayed processes published, by channel, in order.
+  struct Output {
+    Time time;
+    std::uint32_t crc;  ///< CRC-32C of the message as logs keep it
+  };
+  std::map<std::string, std::vector<Output>> outputs;
   std::uint32_t log_crc = 0;  ///< over all that was published, in order: equal runs, equal CRCs
   double cpu_s = 0;
   double wall_s = 0;
@@ -116,7 +120,7 @@ struct LogComparison {
   std::int64_t different = 0;  ///< of them, those that the replay did not publish alike, and the replay's surplus
   std::map<std::string, std::int64_t> different_by_channel;
 };
-/// Only for the whole log; channels that the log has nothing of do not count.
+/// Only for the whole log; channels that the log has nothing of do not count, nor what was published after its end.
 [[nodiscard]] LogComparison compare_with_log(const ReplayInput& input, const ReplayResult& result);
 
 /// The path of `frame` ("body", "imu": the body; "cam0": the left camera, from its own first pose), one row per

@@ -14,7 +14,7 @@ namespace arpent::tour {
 namespace {
 
 /// Candidate arcs that leave a node.
-constexpr int kCandidates = 8;
+constexpr int kCandidates = 10;
 /// Exchanges in a chain.
 constexpr std::size_t kDepth = 10;
 /// Longest of the three pieces that a kick reorders.

@@ -14,13 +14,16 @@ namespace arpent::tour {
 namespace {
 
 /// Candidate arcs that leave a node.
-constexpr int kCandidates = 8;
+constexpr int kCandidates = 10;
 /// Exchanges in a chain.
 constexpr std::size_t kDepth = 10;
 /// Longest of the three pieces that a kick reorders.
 constexpr int kKickLength = 30;
 /// Allowance for worse tours after a kick, as a share of the spread of the candidate arcs.
-constexpr double kTemperature = 0.2;
+constexpr double kTemperature = 3.0;
+/// Kicks per node in which the allowance falls from that to nothing, before it starts anew: it frees the search from
+/// deep local optima, and its course does not depend on the budget.
+constexpr std::int64_t kCyclePerNode = 50;
 /// Gains below this share of the cost's scale are rounding.
 constexpr double kRelativeEpsilon = 1e-12;
 
@@ -297,7 +300,9 @@ void AtspSearch::keep_or_undo() {
     best_reduced_ = tour_reduced_;
   }
   const double uniform = static_cast<double>(random_() >> 11) * 0x1p-53;
-  if (tour_reduced_ <= kept_reduced_ - temperature_ * std::log(1 - uniform)) {
+  const std::int64_t cycle = kCyclePerNode * n_;
+  const double cooled = 1 - static_cast<double>(kicks_++ % cycle) / static_cast<double>(cycle);
+  if (tour_reduced_ <= kept_reduced_ - cooled * temperature_ * std::log(1 - uniform)) {
     kept_ = order_;
     kept_reduced_ = tour_reduced_;
   } else {

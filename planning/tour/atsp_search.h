@@ -86,7 +86,7 @@ class AtspSearch {
   std::vector<int> scratch_, kept_, best_;
   double tour_reduced_ = 0, kept_reduced_ = 0, best_reduced_ = 0;
   std::mt19937_64 random_;
-  std::int64_t steps_ = 0;
+  std::int64_t steps_ = 0, kicks_ = 0;
   bool started_ = false;
 };
 

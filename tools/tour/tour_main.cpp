@@ -59,8 +59,8 @@ int run(const Flags& flags) {
   // The last part of the time is the bound's: its iterations are O(n^2), about 3 ns per pair of nodes.
   const double pairs = static_cast<double>(problem.cost.size());
   const double iteration_ms = 3e-6 * pairs;
-  params.bound_iterations = static_cast<int>(std::clamp(0.25 * flags.time_ms / iteration_ms, 120.0, 1000.0));
-  const double search_ms = flags.time_ms - iteration_ms * std::max(params.bound_iterations - 100, 0);
+  params.bound_iterations = static_cast<int>(std::clamp(0.25 * flags.time_ms / iteration_ms, 100.0, 1000.0));
+  const double search_ms = flags.time_ms - iteration_ms * params.bound_iterations;
   const double start_ms = now_ms();
   Deadline deadline(start_ms + search_ms);
   params.steps = flags.steps;

@@ -13,6 +13,7 @@
 #include <algorithm>
 #include <cmath>
 #include <random>
+#include <unordered_set>
 
 namespace arpent::planning {
 namespace {
@@ -106,6 +107,27 @@ class Sampler : public ob::StateSampler {
   std::mt19937 random_;
 };
 
+/// Frees with itself what was not given back: LazyPRM of OMPL 1.5 leaks the states of vertices that it removes (fixed
+/// in 1.6, pull request 909).
+class OwningSpace : public ob::SE2StateSpace {
+ public:
+  ~OwningSpace() override {
+    for (ob::State* state : live_) ob::SE2StateSpace::freeState(state);
+  }
+  ob::State* allocState() const override {
+    ob::State* state = ob::SE2StateSpace::allocState();
+    live_.insert(state);
+    return state;
+  }
+  void freeState(ob::State* state) const override {
+    live_.erase(state);
+    ob::SE2StateSpace::freeState(state);
+  }
+
+ private:
+  mutable std::unordered_set<ob::State*> live_;
+};
+
 /// LazyPRM* whose nearest neighbours do not depend on OMPL's random numbers either.
 class Roadmap : public og::LazyPRMstar {
  public:
@@ -134,7 +156,7 @@ ob::RealVectorBounds bounds_of(const Ground& ground, const Pose2& start, const P
 
 std::vector<Pose2> solve(const Ground& ground, const Pose2& start, const Pose2& goal, const LazyPrmParams& params,
                          Checks& checks) {
-  const auto space = std::make_shared<ob::SE2StateSpace>();
+  const auto space = std::make_shared<OwningSpace>();
   const ob::RealVectorBounds bounds = bounds_of(ground, start, goal);
   space->setBounds(bounds);
   space->setStateSamplerAllocator([&](const ob::StateSpace* s) {

@@ -3,13 +3,20 @@
 #include "planning/process/mission_process.h"
 
 #include <arpent/body_pose_t.hpp>
+#include <arpent/depth_t.hpp>
 #include <optional>
 
 #include "common/bus/typed.h"
 #include "common/channels.h"
+#include "common/config/rig.h"
+#include "common/error.h"
+#include "common/time_join.h"
 #include "perception/fusion/wire.h"
+#include "perception/stereo/rectifier.h"
+#include "perception/stereo/wire.h"
 #include "planning/mission/lifecycle.h"
-#include "planning/mission/path_progress.h"
+#include "planning/mission/task.h"
+#include "planning/viewpoints/level_camera.h"
 #include "planning/wire.h"
 
 namespace arpent {
@@ -18,71 +25,98 @@ namespace {
 constexpr Duration kCycle = std::chrono::milliseconds(100);
 constexpr int kCyclesPerReport = 10;
 constexpr int kCyclesPerRequest = 10;
-constexpr double kNominalSpeedMps = 0.5;
+/// Depth that falls this far behind the newest depth without its pose is passed over.
+constexpr Duration kHorizon = std::chrono::seconds(10);
 
 }  // namespace
 
 using planning::MissionState;
+
+/// What kind explore needs beside its task.
+struct Eyes {
+  Pose T_body_cam;
+  planning::LevelCamera camera;
+  planning::StopGuard guard;
+  TimeJoin<stereo::StampedDepth, fusion::FusedPose> join{kHorizon};
+};
 
 struct MissionProcess::State {
   Config config;
   Bus& bus;
   Clock& clock;
   planning::Lifecycle life;
+  std::unique_ptr<planning::Task> task;
+  std::optional<Eyes> eyes;
   std::optional<Time> started;
   std::optional<fusion::FusedPose> pose;
   std::optional<planning::BaseState> base;
   std::optional<planning::DriveReport> drive;
-  std::vector<Eigen::Vector2d> loop;
-  double loop_m = 0;
   std::int64_t path_sequence = 0;
+  bool blocked = false;
   std::int64_t cycle = 0;
   MissionState reported = MissionState::kAborted;
 
   State(const Config& c, Bus& process_bus, Clock& process_clock) : config(c), bus(process_bus), clock(process_clock) {
-    // A loop that cannot be driven is found at the start, not when the robot stands there.
-    (void)planning::make_loop({}, c.loop);
+    if (c.kind == "loop") {
+      task = planning::make_loop_task(c.loop);
+      return;
+    }
+    if (c.rig.empty()) throw InputError("mission_process: kind explore needs a rig");
+    const Rig rig = load_rig(c.rig);
+    const stereo::Rectifier rectifier(rig.calibration);
+    const Pose T_body_cam = rectifier.T_body_rectified();
+    const planning::LevelCamera camera = planning::make_level_camera(
+        rectifier.stereo(), T_body_cam, c.explore.tsdf.min_range_m, c.explore.tsdf.max_range_m);
+    eyes.emplace(Eyes{T_body_cam, camera, {c.stop_guard, planning::Footprint(c.explore.footprint)}});
+    task = std::make_unique<planning::ExploreTask>(c.explore, camera);
   }
 
-  template <class Message, class Take>
-  void listen(const char* channel, int capacity, Take take) {
-    subscribe<Message>(bus, channel, {.queue_capacity = capacity}, [this, channel, take](const Message& message) {
-      take(message, [this, channel](const std::string& fault) {
-        bus.health().count(channel, "invalid");
-        bus.health().warn(std::string(channel) + ": message dropped: " + fault);
-      });
+  void refuse(const char* channel, const std::string& fault) const {
+    bus.health().count(channel, "invalid");
+    bus.health().warn(std::string(channel) + ": message dropped: " + fault);
+  }
+
+  template <class Message, class Convert, class Use>
+  void listen(const char* channel, const SubscriptionOptions& options, Convert convert, Use use) {
+    subscribe<Message>(bus, channel, options, [this, channel, convert, use](const Message& message) {
+      if (auto value = convert(message)) {
+        use(*value);
+      } else {
+        refuse(channel, value.fault());
+      }
     });
   }
 
   void listen_all() {
-    listen<mission_command_t>(channels::kMissionCommand, 4, [this](const auto& message, const auto& refuse) {
-      if (const auto order = planning::from_wire(message)) {
-        obey(*order);
-      } else {
-        refuse(order.fault());
-      }
-    });
-    listen<body_pose_t>(channels::kPose, 4, [this](const auto& message, const auto& refuse) {
-      if (const auto decoded = fusion::from_wire(message)) {
-        pose = *decoded;
-      } else {
-        refuse(decoded.fault());
-      }
-    });
-    listen<wheel_state_t>(channels::kWheelState, 4, [this](const auto& message, const auto& refuse) {
-      if (const auto decoded = planning::from_wire(message)) {
-        base = *decoded;
-      } else {
-        refuse(decoded.fault());
-      }
-    });
-    listen<tracker_status_t>(channels::kTrackerStatus, 4, [this](const auto& message, const auto& refuse) {
-      if (const auto decoded = planning::from_wire(message)) {
-        drive = *decoded;
-      } else {
-        refuse(decoded.fault());
-      }
-    });
+    const SubscriptionOptions few{.queue_capacity = 4};
+    listen<mission_command_t>(
+        channels::kMissionCommand, few, [](const auto& m) { return planning::from_wire(m); },
+        [this](const auto& order) { obey(order); });
+    listen<body_pose_t>(
+        channels::kPose, few, [](const auto& m) { return fusion::from_wire(m); },
+        [this](const auto& value) { pose = value; });
+    listen<wheel_state_t>(
+        channels::kWheelState, few, [](const auto& m) { return planning::from_wire(m); },
+        [this](const auto& value) { base = value; });
+    listen<tracker_status_t>(
+        channels::kTrackerStatus, few, [](const auto& m) { return planning::from_wire(m); },
+        [this](const auto& value) { drive = value; });
+    if (!eyes) return;
+    listen<depth_t>(
+        channels::kDepth, {.queue_capacity = 8, .latency = Duration(config.latency_us)},
+        [](const auto& m) { return stereo::from_wire(m); },
+        [this](auto& depth) {
+          const Time stamp = depth.stamp;
+          if (!eyes->join.push_left(stamp, std::move(depth)))
+            refuse(channels::kDepth, "its time is not after the last");
+          see();
+        });
+    listen<body_pose_t>(
+        channels::kPairPose, {.queue_capacity = 16}, [](const auto& m) { return fusion::from_wire(m); },
+        [this](const auto& value) {
+          if (!eyes->join.push_right(value.stamp, value)) refuse(channels::kPairPose, "its time is not after the last");
+          see();
+        });
   }
 
   void obey(const planning::MissionOrder& order) {
@@ -95,7 +129,7 @@ struct MissionProcess::State {
         started = clock.now();
         break;
       case planning::MissionCommand::kResume:
-        if (life.state() == MissionState::kRunning) drive_on();
+        if (life.state() == MissionState::kRunning) task->resume(to_pose2(pose->T_frame_body), drive_state());
         break;
       case planning::MissionCommand::kPause:
       case planning::MissionCommand::kAbort:
@@ -103,6 +137,29 @@ struct MissionProcess::State {
         break;
     }
     report();
+  }
+
+  /// Depth whose pose is known goes into the map; the guard looks at it first.
+  void see() {
+    for (const auto& [stamp, depth, at] : eyes->join.take()) {
+      if (!at || at->status == fusion::Status::kLost || !is_in_map_frame(*at)) {
+        bus.health().count(channels::kDepth, "rejected");
+        continue;
+      }
+      guard(depth.map, *at);
+      task->see(depth.map, at->T_frame_body * eyes->T_body_cam, to_pose2(at->T_frame_body));
+      step_task();
+    }
+  }
+
+  void guard(const stereo::DepthMap& depth, const fusion::FusedPose& at) {
+    const planning::StopDecision decision = eyes->guard.look(depth, eyes->T_body_cam, at.twist);
+    if (decision.stop && !blocked && life.state() == MissionState::kRunning) {
+      bus.health().count("GUARD", "stops");
+      bus.health().warn("stopped: something is in the way");
+      stop();
+    }
+    blocked = decision.stop;
   }
 
   void step() {
@@ -116,75 +173,71 @@ struct MissionProcess::State {
       stop();
     }
     if (life.state() == MissionState::kAligning) align();
-    if (life.state() == MissionState::kRunning && arrived()) {
-      life.finish();
-      stop();
-    }
+    step_task();
     if (life.state() != reported || cycle % kCyclesPerReport == 0) report();
   }
 
-  [[nodiscard]] bool knows_where() const {
-    const bool world = pose && pose->frame == fusion::Frame::kWorld;
-    return pose && pose->status == fusion::Status::kOk && (world || config.map_frame == "odom");
+  [[nodiscard]] bool is_in_map_frame(const fusion::FusedPose& p) const {
+    return (p.frame == fusion::Frame::kWorld) == (config.map_frame == "world");
   }
 
   void align() {
     if (base == planning::BaseState::kDisarmed && cycle % kCyclesPerRequest == 0) ask(base_request_t::ACTION_ARM);
-    if (base != planning::BaseState::kArmed || !knows_where()) return;
+    const bool knows_where = pose && pose->status == fusion::Status::kOk && is_in_map_frame(*pose);
+    if (base != planning::BaseState::kArmed || !knows_where) return;
     life.aligned();
-    loop = planning::make_loop(to_pose2(pose->T_frame_body), config.loop);
-    loop_m = planning::length_m(loop);
-    order(loop);
+    task->begin(to_pose2(pose->T_frame_body));
   }
 
-  /// The rest of the path, from where the robot stands.
-  void drive_on() {
-    if (loop.empty()) return;
-    const double driven_m = drive && drive->path_sequence == path_sequence ? loop_m - drive->remaining_m : 0;
-    order(planning::rest_of(loop, driven_m, to_pose2(pose->T_frame_body).position_m()));
+  /// Of the path that was ordered last.
+  [[nodiscard]] planning::DriveState drive_state() const {
+    const bool ours = drive && drive->path_sequence == path_sequence;
+    return {ours && drive->arrived, ours ? drive->remaining_m : 0};
   }
 
-  [[nodiscard]] bool arrived() const { return drive && drive->arrived && drive->path_sequence == path_sequence; }
+  void step_task() {
+    if (life.state() != MissionState::kRunning || !pose) return;
+    const auto request = task->step(clock.now(), to_pose2(pose->T_frame_body), drive_state(), blocked);
+    if (request) order(*request);
+    if (!task->progress(drive_state()).done) return;
+    life.finish();
+    stop();
+    report();
+  }
 
-  void order(const std::vector<Eigen::Vector2d>& points) {
+  void order(const planning::PathRequest& request) {
     publish(bus, channels::kPath,
-            planning::to_wire(planning::PathOrder{pose->stamp, ++path_sequence, config.map_frame, points, {}, 0}));
-    loop_m = planning::length_m(points);
-    loop = points;
+            planning::to_wire(planning::PathOrder{pose ? pose->stamp : clock.now(), ++path_sequence, config.map_frame,
+                                                  request.points_m, request.goal_heading_rad, 0}));
   }
 
   void stop() {
-    publish(bus, channels::kPath,
-            planning::to_wire(planning::PathOrder{clock.now(), ++path_sequence, config.map_frame, {}, {}, 0}));
+    order({});
     if (life.ended()) ask(base_request_t::ACTION_DISARM);
   }
 
   void ask(std::int8_t action) { publish(bus, channels::kBaseRequest, planning::request(clock.now(), action, kName)); }
 
-  [[nodiscard]] std::string activity() const {
+  [[nodiscard]] std::string activity(const planning::TaskProgress& progress) const {
     switch (life.state()) {
       case MissionState::kAligning:
         return !pose || base != planning::BaseState::kArmed ? "arming the base" : "looking for the tag cube";
       case MissionState::kRunning:
-        return drive && drive->braking ? "braking: " + drive->reason : "driving the loop";
+        return drive && drive->braking ? "braking: " + drive->reason : progress.activity;
       default:
         return planning::describe(life.state());
     }
   }
 
   void report() {
+    const planning::TaskProgress progress = task->progress(drive_state());
     planning::MissionReport report;
     report.stamp = clock.now();
     report.state = reported = life.state();
-    report.activity = activity();
+    report.activity = activity(progress);
     report.reason = life.reason();
-    if (life.state() == MissionState::kDone) {
-      report.progress = 1;
-      report.left_s = 0;
-    } else if (drive && drive->path_sequence == path_sequence && loop_m > 0) {
-      report.progress = 1 - drive->remaining_m / loop_m;
-      report.left_s = drive->remaining_m / kNominalSpeedMps;
-    }
+    report.progress = progress.share;
+    report.left_s = progress.left_s;
     publish(bus, channels::kMissionState, planning::to_wire(report));
   }
 };
@@ -196,6 +249,11 @@ MissionProcess::MissionProcess(const Config& config, Bus& bus, Clock& clock)
 }
 
 MissionProcess::~MissionProcess() = default;
+
+const planning::Explorer* MissionProcess::explorer() const {
+  const auto* task = dynamic_cast<const planning::ExploreTask*>(state_->task.get());
+  return task == nullptr ? nullptr : &task->explorer();
+}
 
 void MissionProcess::finish() {
   if (state_->life.ended() || !state_->started) return;

@@ -12,6 +12,8 @@
 
 #include "common/bus/bus.h"
 #include "common/config/fields.h"
+#include "planning/local/stop_guard.h"
+#include "planning/mission/explorer.h"
 #include "planning/mission/loop.h"
 
 namespace arpent {
@@ -20,15 +22,23 @@ struct MissionConfig {
   std::string kind = "loop";
   std::string map_frame = "world";
   double max_time_s = 1800;
+  std::filesystem::path rig;
   planning::LoopParams loop;
+  planning::ExplorerParams explore;
+  planning::StopGuardParams stop_guard;
+  int latency_us = 60000;
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visitor) {
-    visitor.field("kind", self.kind, "what to do", config::one_of({"loop"}));
+    visitor.field("kind", self.kind, "what to do", config::one_of({"loop", "explore"}));
     visitor.field("map_frame", self.map_frame, "frame to work in: world needs an alignment with the tag cube first",
                   config::one_of({"world", "odom"}));
     visitor.field("max_time_s", self.max_time_s, "the mission is aborted after so long", config::greater_than(0.0));
+    visitor.field("rig", self.rig, "rig file: what the camera sees (kind explore)");
     visitor.group("loop", self.loop, "the test path of kind loop");
+    visitor.group("explore", self.explore, "the exploration of kind explore");
+    visitor.group("stop_guard", self.stop_guard, "stops for what stands in the way (kind explore)");
+    visitor.field("latency_us", self.latency_us, "declared time from depth to path", config::at_least(0));
   }
 };
 
@@ -43,6 +53,8 @@ class MissionProcess {
   ~MissionProcess();
 
   void finish();
+  /// What kind explore knows; nullptr for other kinds.
+  [[nodiscard]] const planning::Explorer* explorer() const;
 
  private:
   struct State;

@@ -23,6 +23,16 @@ tags::TagCubeConfig to_config(const sim::TagCube& cube) {
   return config;
 }
 
+/// A little more than the world's, so that its own surfaces are inside.
+void set_region(const sim::Region& region, planning::ExplorerParams& explore) {
+  constexpr double kMarginM = 0.15;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto axis = static_cast<Eigen::Index>(i);
+    explore.region_min_m[i] = region.min_m[axis] - kMarginM;
+    explore.region_max_m[i] = region.max_m[axis] + kMarginM;
+  }
+}
+
 }  // namespace
 
 MissionSpec load_mission(const std::filesystem::path& file, const MissionOverrides& overrides) {
@@ -48,6 +58,12 @@ MissionSpec load_mission(const std::filesystem::path& file, const MissionOverrid
   spec.odometry.odometry.seed = spec.seed;
   spec.depth.rig = spec.odometry.rig = spec.tags.rig = spec.mapping.rig = robot.rig;
   spec.pose.fusion.wheels.track_m = robot.base.geometry.track_m;
+  spec.mission.rig = robot.rig;
+  spec.mission.explore.tsdf = spec.mapping.tsdf;
+  spec.mission.explore.footprint = {robot.semi_axis_long_m, robot.semi_axis_short_m};
+  spec.mission.explore.nominal_speed_mps = robot.limits.max_speed_mps;
+  spec.mission.stop_guard.deceleration_mps2 = robot.limits.max_acceleration_mps2;
+  if (spec.use_region) set_region(world.region, spec.mission.explore);
   if (world.tag_cube) spec.tags.cube = to_config(*world.tag_cube);
   return spec;
 }

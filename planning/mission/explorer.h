@@ -1,0 +1,109 @@
+// SPDX-FileCopyrightText: The arpent authors
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// The main job of one robot: it keeps a map, finds what surface is incomplete, plans a tour of viewpoints, and gives
+// out one drive after the other until nothing is left that it could complete (thesis Ch. 2, 5). Pure: depth images,
+// poses and the path tracker's word come in, drives go out. Tours take time to plan: they come into force
+// `plan_latency_s` after they were begun, and the robot goes on meanwhile.
+#pragma once
+
+#include <Eigen/Geometry>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/config/fields.h"
+#include "common/time.h"
+#include "mapping/tsdf/tsdf_map.h"
+#include "planning/local/low_level_planner.h"
+#include "planning/local/recovery.h"
+#include "planning/tour/timed_tours.h"
+#include "planning/viewpoints/certificate.h"
+#include "planning/viewpoints/viewpoint.h"
+
+namespace arpent::planning {
+
+struct ExplorerParams {
+  ViewpointParams viewpoints;
+  mapping::TsdfParams tsdf;
+  GroundGridParams grid;
+  FootprintParams footprint;
+  DriveCosts costs;
+  LowLevelParams low_level;
+  RecoveryParams recovery;
+  tour::TimedParams tour;
+  double start_clearance_m = 0.8;
+  double nominal_speed_mps = 0.5;
+  double plan_latency_s = 0.2;
+  double stuck_s = 5.0;
+  std::vector<double> region_min_m{-1e6, -1e6, -1e6};
+  std::vector<double> region_max_m{1e6, 1e6, 1e6};
+
+  template <class Self, class Visitor>
+  static void describe(Self& self, Visitor& visitor) {
+    visitor.group("viewpoints", self.viewpoints, "where to look from");
+    visitor.group("tsdf", self.tsdf, "the map");
+    visitor.group("grid", self.grid, "the ground as the map knows it");
+    visitor.group("footprint", self.footprint, "what the robot covers of it");
+    visitor.group("costs", self.costs, "what drives cost");
+    visitor.group("low_level", self.low_level, "legs and when to plan anew");
+    visitor.group("recovery", self.recovery, "what to do when boxed in");
+    visitor.group("tour", self.tour, "the order of clusters");
+    visitor.field("start_clearance_m", self.start_clearance_m,
+                  "a disc of this radius around the start is declared free: the camera never sees it",
+                  config::between(0.0, 5.0));
+    visitor.field("nominal_speed_mps", self.nominal_speed_mps, "for the times of tours", config::greater_than(0.0));
+    visitor.field("plan_latency_s", self.plan_latency_s, "declared time to plan a tour", config::between(0.0, 10.0));
+    visitor.field("stuck_s", self.stuck_s, "standing with a leg to drive for so long means that it cannot be driven",
+                  config::between(0.5, 600.0));
+    visitor.field("region_min_m", self.region_min_m, "only surface within this box matters", config::finite_numbers(3));
+    visitor.field("region_max_m", self.region_max_m, "its other corner", config::finite_numbers(3));
+  }
+};
+
+/// What the path tracker shall do now.
+struct ExplorerOrder {
+  enum class Kind : std::uint8_t { kGoOn, kDrive, kStop };
+  Kind kind = Kind::kGoOn;
+  DrivePiece piece;  ///< with kDrive
+};
+
+struct ExplorerStatus {
+  std::size_t elements = 0;       ///< incomplete now
+  std::size_t elements_ever = 0;  ///< that were incomplete at some time
+  int clusters = 0;               ///< of the newest tour
+  double left_s = -1;             ///< that it will take; negative if unknown
+  int tours = 0;                  ///< planned so far
+  bool done = false;
+  std::string activity;
+};
+
+class Explorer {
+ public:
+  /// Throws InputError for parameters that break their rules.
+  Explorer(const ExplorerParams& params, const LevelCamera& camera);
+  ~Explorer();
+
+  /// Where the robot stands at the start, map frame.
+  void begin(const Pose2& start);
+  /// A depth image and where its camera and the body were.
+  void integrate(const stereo::DepthMap& depth, const Pose& T_map_cam, const Pose2& body);
+  /// One step, after each depth image and whenever the tracker has arrived. `arrived`: the tracker stands at the end of
+  /// the last piece that was ordered. `blocked`: somebody stopped the robot for something in its way.
+  [[nodiscard]] ExplorerOrder step(Time now, const Pose2& pose, bool arrived, bool blocked);
+
+  /// The order in force is void (the mission was paused): plans anew from where the robot stands.
+  void restart();
+
+  [[nodiscard]] const ExplorerStatus& status() const;
+  [[nodiscard]] const mapping::TsdfMap& map() const;
+  /// What stays incomplete at the end, each with its reason.
+  [[nodiscard]] const std::vector<Certificate>& remaining() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace arpent::planning

@@ -1,0 +1,28 @@
+// SPDX-FileCopyrightText: The arpent authors
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// From clusters of viewpoints to a tour: prices the drives between them over the ground, orders the clusters by time
+// (planning/tour), and lists the viewpoints in the order of the visit.
+#pragma once
+
+#include <vector>
+
+#include "planning/local/ground.h"
+#include "planning/local/low_level_planner.h"
+#include "planning/tour/timed_tours.h"
+#include "planning/viewpoints/viewpoint.h"
+
+namespace arpent::planning {
+
+struct PlannedTour {
+  Tour tour;  ///< targets' ids are indices into `viewpoints`
+  std::vector<Viewpoint> viewpoints;
+  double completion_s = 0;
+};
+
+/// Drives are priced on cells of twice the ground's size: one search from the robot and one from each cluster. Clusters
+/// without a way come last, in their order. `speed_mps` > 0.
+[[nodiscard]] PlannedTour plan_tour(const Ground& ground, const std::vector<Cluster>& clusters, const Pose2& robot,
+                                    const tour::TimedParams& params, double speed_mps);
+
+}  // namespace arpent::planning

@@ -31,9 +31,10 @@ constexpr double kTurnChangeWeight = 1.5;
 constexpr double kSearchBackM = 0.3;
 constexpr double kSearchAheadM = 1.0;
 constexpr double kArrivedM = 0.02;
-constexpr double kTurnFirstRad = 1.0;   // a path that begins more than this aside is turned to on the spot
-constexpr double kTurnedRad = 0.08;     // good enough to set off
-constexpr double kAtHeadingRad = 0.02;  // good enough to have arrived
+constexpr double kTurnFirstRad = 1.0;           // a path that begins more than this aside is turned to on the spot,
+constexpr double kTurnFirstStandingRad = 0.35;  // by a base that stands: it loses nothing
+constexpr double kTurnedRad = 0.08;             // good enough to set off
+constexpr double kAtHeadingRad = 0.02;          // good enough to have arrived
 constexpr double kTurnGainPerS = 2.5;
 constexpr double kStandMps = 0.02;
 constexpr double kStandRadps = 0.05;
@@ -222,6 +223,8 @@ struct PathTracker::State {
     start << 0, across_m, heading_error, at.twist.speed_mps, at.twist.turn_rate_radps;
     const auto solution = solve(make_qp(reference, start, last, params), plan, kQpIterations);
     if (!solution.x.allFinite() || solution.violation > kMaxViolation) {
+      // From a stand the path is turned to: the same problem would fail again.
+      if (std::abs(last.speed_mps) <= kStandMps) mode = TrackerMode::kTurnToPath;
       return brake(now, std::move(output), "the solver did not converge");
     }
     plan = solution.x;
@@ -280,7 +283,8 @@ TrackerOutput PathTracker::step(Time now, const BaseState& state) {
     return s.brake(now, output, "too far from the path");
   }
   // A base that drives goes on to the new path without stopping, also out of a bend.
-  if (s.mode == TrackerMode::kTurnToPath && std::abs(heading_error) < kTurnFirstRad &&
+  const double turn_first = s.last.speed_mps > kStandMps ? kTurnFirstRad : kTurnFirstStandingRad;
+  if (s.mode == TrackerMode::kTurnToPath && std::abs(heading_error) < turn_first &&
       (std::abs(s.last.turn_rate_radps) < kStandRadps || s.last.speed_mps > kStandMps)) {
     s.mode = TrackerMode::kTrack;
   }

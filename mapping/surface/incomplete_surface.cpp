@@ -170,6 +170,8 @@ std::vector<VoxelIndex> IncompleteSurface::unknown_beside(const VoxelIndex& voxe
   for (int i = 0; i < 6; ++i) {
     const VoxelIndex neighbour = voxel + (i % 2 == 0 ? 1 : -1) * VoxelIndex::Unit(i / 2);
     if (classes_.at(neighbour) != VoxelClass::kUnknown) continue;
+    // What lies beyond the region need not be known (the literal rule knows no region's border).
+    if (rule_ != UnknownRule::kWeight && region_map_m_ && !region_map_m_->contains(map.centre_m(neighbour))) continue;
     const auto seen = map.voxel(neighbour);
     const bool behind = seen && seen->distance_m <= 0 && here_m - seen->distance_m <= step_m;
     if (rule_ == UnknownRule::kWeight || !behind) unknown.push_back(neighbour);

@@ -116,10 +116,13 @@ void LegProgress::advance(const Pose2& pose) {
 std::vector<DrivePiece> pieces_of(const Leg& leg) {
   std::vector<DrivePiece> pieces;
   std::vector<Eigen::Vector2d> points;
+  double length_m = 0;
   double heading = leg.start.yaw_rad;
   const auto finish = [&](double end_heading_rad) {
-    if (points.size() >= 2) pieces.push_back({std::move(points), end_heading_rad});
+    // A few millimetres are no drive: the goal's tolerance covers them.
+    if (length_m >= kCreepM) pieces.push_back({std::move(points), end_heading_rad});
     points.clear();
+    length_m = 0;
   };
   for (const Motion& motion : leg.motions) {
     if (motion.is_turn()) {
@@ -127,6 +130,7 @@ std::vector<DrivePiece> pieces_of(const Leg& leg) {
       finish(heading);
     } else {
       append_points(points, motion);
+      length_m += motion.length_m;
       heading = end_of(motion).yaw_rad;
     }
   }

@@ -70,8 +70,8 @@ struct DrivePiece {
   double end_heading_rad = 0;
 };
 
-/// Splits a leg at its turns on the spot. A leg that only turns becomes one piece of 3 cm forwards, for a path must
-/// have a length; a leg without motions becomes no piece.
+/// Splits a leg at its turns on the spot. Drives shorter than 3 cm are left out; a leg that only turns becomes one
+/// piece of 3 cm forwards, for a path must have a length; a leg without motions becomes no piece.
 [[nodiscard]] std::vector<DrivePiece> pieces_of(const Leg& leg);
 
 /// The longest advance of a piece that only turns [m].

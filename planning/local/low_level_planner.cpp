@@ -12,7 +12,9 @@
 namespace arpent::planning {
 namespace {
 
-constexpr double kSamePlaceM = 0.01;
+/// A goal nearer than this is turned to where the robot stands: a robot that only drives forwards would have to drive a
+/// loop to it.
+constexpr double kSamePlaceM = 0.15;
 constexpr double kSameHeadingRad = 0.01;
 
 bool leads_to(const Leg& leg, const Pose2& goal) {
@@ -136,7 +138,9 @@ bool LowLevelPlanner::try_leg(const LowLevelInput& input, const TourTarget& targ
     output.skipped.push_back({target.id, *known});
     return false;
   }
-  LegResult result = planner_.plan(input.ground, input.pose, target.pose);
+  const bool here = (target.pose.position_m() - input.pose.position_m()).norm() < kSamePlaceM;
+  const Pose2 goal = here ? Pose2{input.pose.x_m, input.pose.y_m, target.pose.yaw_rad} : target.pose;
+  LegResult result = planner_.plan(input.ground, input.pose, goal);
   if (!result.leg) {
     unreachable_.remember(target.pose, result, input.grid.revision());
     output.skipped.push_back({target.id, result.reason});

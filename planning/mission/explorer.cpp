@@ -21,11 +21,15 @@ constexpr double kTrailM = 3.0;
 /// free, as long as nothing changed there.
 class GroundFreeSpace : public FreeSpace {
  public:
-  GroundFreeSpace(const Ground& ground, const GroundGrid& grid, const UnreachableGoals& unreachable, const Pose2& robot)
-      : ground_(ground), grid_(grid), unreachable_(unreachable), robot_(robot) {}
+  /// `turnable`: only places count where the robot can turn on the spot, so that it gets away again: the camera does
+  /// not see beside it, and a robot that drives forwards only gets stuck in a slot of known ground.
+  GroundFreeSpace(const Ground& ground, const GroundGrid& grid, const UnreachableGoals& unreachable, const Pose2& robot,
+                  bool turnable)
+      : ground_(ground), grid_(grid), unreachable_(unreachable), robot_(robot), turnable_(turnable) {}
 
   [[nodiscard]] bool is_free(const Pose2& pose) const override {
-    return ground_.is_free(pose) && !unreachable_.find(pose, robot_, grid_);
+    const bool room = !turnable_ || ground_.clearance_m(pose.position_m()) >= ground_.footprint().long_m();
+    return room && ground_.is_free(pose) && !unreachable_.find(pose, robot_, grid_);
   }
   [[nodiscard]] std::vector<std::optional<double>> distances_m(const Pose2& from, std::span<const Pose2> to,
                                                                double max_m) const override {
@@ -37,6 +41,7 @@ class GroundFreeSpace : public FreeSpace {
   const GroundGrid& grid_;
   const UnreachableGoals& unreachable_;
   Pose2 robot_;
+  bool turnable_;
 };
 
 Eigen::AlignedBox3d region_of(const ExplorerParams& params) {
@@ -59,6 +64,7 @@ struct Explorer::State {
   ExplorerStatus status;
   std::vector<Certificate> remaining;
   VoxelSet ever;
+  std::vector<Eigen::Vector2d> assumed_free_m;
 
   /// A tour that is thought out but not yet in force.
   struct Pending {
@@ -66,8 +72,10 @@ struct Explorer::State {
     PlannedTour tour;
   };
   std::optional<Pending> pending;
+  Tour tour;                          ///< in force: what is left of it
   std::vector<Viewpoint> viewpoints;  ///< of the tour in force, by target id
-  std::deque<DrivePiece> pieces;      ///< of the leg, that are still to be ordered
+  Time adopted_at{};
+  std::deque<DrivePiece> pieces;  ///< of the leg, that are still to be ordered
   /// Standing at a viewpoint until enough images were taken.
   struct Dwell {
     Viewpoint viewpoint;
@@ -113,8 +121,10 @@ struct Explorer::State {
   ExplorerOrder step(Time now, const Pose2& pose, bool arrived, bool blocked) {
     note_motion(now, pose);
     if (status.done) return {};
-    if (pending && now >= pending->from) adopt();
-    if (dwell && !is_complete(dwell->viewpoint) && dwell->images < dwell->viewpoint.looks) {
+    if (pending && now >= pending->from) adopt(now);
+    drop_completed();
+    if (dwell && !is_complete(dwell->viewpoint) &&
+        dwell->images < std::min(dwell->viewpoint.looks, params.max_stay_images)) {
       status.activity = "looking";
       return {};
     }
@@ -125,7 +135,8 @@ struct Explorer::State {
     }
     const Ground ground(grid, footprint, params.costs);
     const LowLevelOutput output = low_level.step({ground, grid, pose});
-    if (output.replan != ReplanReason::kNone && !pending) plan(now, ground, pose, output.replan);
+    const bool stale = now - adopted_at > from_seconds(params.replan_s);
+    if (!pending && (output.replan != ReplanReason::kNone || stale)) plan(now, ground, pose, output.replan);
     if (status.done) return {ExplorerOrder::Kind::kStop, {}};
     if (output.visited) begin_dwell(*output.visited);
     return order_for(now, output, arrived);
@@ -139,33 +150,102 @@ struct Explorer::State {
     moved_from = pose;
   }
 
-  void adopt() {
+  /// The tour goes on without the targets that were completed on the way to others.
+  void drop_completed() {
+    Tour rest{{}, tour.elements};
+    for (const TourTarget& target : tour.targets) {
+      if (!is_complete(viewpoints[static_cast<std::size_t>(target.id)])) rest.targets.push_back(target);
+    }
+    if (rest.targets.size() == tour.targets.size()) return;
+    tour = std::move(rest);
+    low_level.set_tour(tour);
+    low_level.set_incomplete(voxels());
+  }
+
+  void adopt(Time now) {
+    adopted_at = now;
     viewpoints = std::move(pending->tour.viewpoints);
-    low_level.set_tour(std::move(pending->tour.tour));
+    tour = std::move(pending->tour.tour);
+    low_level.set_tour(tour);
     low_level.set_incomplete(voxels());
     pending.reset();
   }
 
   void plan(Time now, const Ground& ground, const Pose2& pose, ReplanReason reason) {
-    const GroundFreeSpace free_space(ground, grid, low_level.unreachable(), pose);
-    Targets found = targets.plan(map, free_space, pose);
+    Targets found = find_targets(ground, pose);
     remaining = std::move(found.remaining);
     status.clusters = static_cast<int>(found.clusters.size());
     status.activity = std::string("planning: ") + to_text(reason);
     ++status.tours;
+    if (found.clusters.empty() || reason == ReplanReason::kNothingReachable) {
+      // Boxed in by ground that it has not seen, a robot assumes once more what it assumed at the start.
+      if (ground.clearance_m(pose.position_m()) < footprint.long_m() && assume_free(pose)) return;
+    }
     if (found.clusters.empty()) {
       status.done = true;
       status.left_s = 0;
       status.activity = "nothing is left that could be completed";
       return;
     }
-    PlannedTour tour = plan_tour(ground, found.clusters, pose, params.tour, params.nominal_speed_mps);
-    status.left_s = tour.completion_s;
-    pending = Pending{now + from_seconds(params.plan_latency_s), std::move(tour)};
+    postpone_small(found.clusters);
+    const std::optional<Viewpoint> committed = committed_viewpoint();
+    PlannedTour planned = plan_tour(ground, found.clusters, committed ? committed->pose : pose, params.tour,
+                                    {params.nominal_speed_mps, params.nominal_turn_rate_radps, params.visit_s});
+    if (committed) put_first(*committed, planned);
+    status.left_s = planned.completion_s;
+    pending = Pending{now + from_seconds(params.plan_latency_s), std::move(planned)};
+  }
+
+  [[nodiscard]] Targets find_targets(const Ground& ground, const Pose2& pose) {
+    Targets found;
+    for (const bool turnable : {true, false}) {
+      found = targets.plan(map, GroundFreeSpace(ground, grid, low_level.unreachable(), pose, turnable), pose);
+      if (!found.clusters.empty()) break;
+    }
+    return found;
+  }
+
+  /// False if that was tried here already.
+  bool assume_free(const Pose2& pose) {
+    for (const Eigen::Vector2d& before : assumed_free_m) {
+      if ((before - pose.position_m()).norm() < 0.5 * footprint.long_m()) return false;
+    }
+    assumed_free_m.push_back(pose.position_m());
+    grid.declare_free(pose.position_m(), footprint.long_m() + params.grid.cell_m);
+    ++status.assumed_free;
+    return true;
+  }
+
+  /// Viewpoints for a few elements are left for the end: most of them are completed on the way to others.
+  void postpone_small(std::vector<Cluster>& clusters) const {
+    const auto few = [&](const Viewpoint& v) { return static_cast<int>(v.elements.size()) < params.few_elements; };
+    const bool only_few = std::all_of(clusters.begin(), clusters.end(), [&](const Cluster& c) {
+      return std::all_of(c.viewpoints.begin(), c.viewpoints.end(), few);
+    });
+    if (only_few) return;
+    for (Cluster& cluster : clusters) std::erase_if(cluster.viewpoints, few);
+    std::erase_if(clusters, [](const Cluster& c) { return c.viewpoints.empty(); });
+  }
+
+  /// What the robot is on its way to, if it is still worth the way: a better idea every other second would have it pace
+  /// to and fro.
+  [[nodiscard]] std::optional<Viewpoint> committed_viewpoint() const {
+    const auto target = low_level.target();
+    if (!target) return std::nullopt;
+    const Viewpoint& viewpoint = viewpoints[static_cast<std::size_t>(target->id)];
+    if (is_complete(viewpoint)) return std::nullopt;
+    return viewpoint;
+  }
+
+  static void put_first(const Viewpoint& viewpoint, PlannedTour& planned) {
+    const TourTarget target{static_cast<std::int64_t>(planned.viewpoints.size()), viewpoint.pose};
+    planned.viewpoints.push_back(viewpoint);
+    planned.tour.targets.insert(planned.tour.targets.begin(), target);
   }
 
   void begin_dwell(std::int64_t target) {
     pieces.clear();
+    std::erase_if(tour.targets, [&](const TourTarget& t) { return t.id == target; });
     const Viewpoint& viewpoint = viewpoints[static_cast<std::size_t>(target)];
     if (!is_complete(viewpoint)) dwell = Dwell{viewpoint, 0};
   }
@@ -196,6 +276,7 @@ struct Explorer::State {
 
   /// The robot stands though it has a leg to drive: it goes on with a tour made anew.
   ExplorerOrder give_up_target() {
+    tour = {};
     low_level.set_tour({});
     pieces.clear();
     status.activity = "giving up a leg that could not be driven";
@@ -222,6 +303,7 @@ ExplorerOrder Explorer::step(Time now, const Pose2& pose, bool arrived, bool blo
 }
 
 void Explorer::restart() {
+  state_->tour = {};
   state_->low_level.set_tour({});
   state_->pieces.clear();
   state_->dwell.reset();

@@ -35,7 +35,12 @@ struct ExplorerParams {
   tour::TimedParams tour;
   double start_clearance_m = 0.8;
   double nominal_speed_mps = 0.5;
+  double nominal_turn_rate_radps = 1.0;
+  double visit_s = 2.0;
+  int max_stay_images = 16;
+  int few_elements = 6;
   double plan_latency_s = 0.2;
+  double replan_s = 2.0;
   double stuck_s = 5.0;
   std::vector<double> region_min_m{-1e6, -1e6, -1e6};
   std::vector<double> region_max_m{1e6, 1e6, 1e6};
@@ -54,7 +59,15 @@ struct ExplorerParams {
                   "a disc of this radius around the start is declared free: the camera never sees it",
                   config::between(0.0, 5.0));
     visitor.field("nominal_speed_mps", self.nominal_speed_mps, "for the times of tours", config::greater_than(0.0));
+    visitor.field("nominal_turn_rate_radps", self.nominal_turn_rate_radps, "the same", config::greater_than(0.0));
+    visitor.field("visit_s", self.visit_s, "for the times of tours: stopping and looking at a viewpoint",
+                  config::at_least(0.0));
+    visitor.field("max_stay_images", self.max_stay_images, "longest stay at a viewpoint", config::at_least(1));
+    visitor.field("few_elements", self.few_elements,
+                  "viewpoints for fewer elements wait until there is nothing else to do", config::at_least(0));
     visitor.field("plan_latency_s", self.plan_latency_s, "declared time to plan a tour", config::between(0.0, 10.0));
+    visitor.field("replan_s", self.replan_s, "a tour is planned anew after so long, while it is driven",
+                  config::greater_than(0.0));
     visitor.field("stuck_s", self.stuck_s, "standing with a leg to drive for so long means that it cannot be driven",
                   config::between(0.5, 600.0));
     visitor.field("region_min_m", self.region_min_m, "only surface within this box matters", config::finite_numbers(3));
@@ -75,6 +88,7 @@ struct ExplorerStatus {
   int clusters = 0;               ///< of the newest tour
   double left_s = -1;             ///< that it will take; negative if unknown
   int tours = 0;                  ///< planned so far
+  int assumed_free = 0;           ///< how often the robot was boxed in by unknown ground and assumed it to be free
   bool done = false;
   std::string activity;
 };

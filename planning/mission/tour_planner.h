@@ -20,9 +20,16 @@ struct PlannedTour {
   double completion_s = 0;
 };
 
+struct VisitTimes {
+  double speed_mps = 0.5;
+  double turn_rate_radps = 1.0;
+  double visit_s = 0;   ///< at each viewpoint, at least
+  double looks_hz = 5;  ///< depth images per second
+};
+
 /// Drives are priced on cells of twice the ground's size: one search from the robot and one from each cluster. Clusters
-/// without a way come last, in their order. `speed_mps` > 0.
+/// without a way come last, in their order.
 [[nodiscard]] PlannedTour plan_tour(const Ground& ground, const std::vector<Cluster>& clusters, const Pose2& robot,
-                                    const tour::TimedParams& params, double speed_mps);
+                                    const tour::TimedParams& params, const VisitTimes& times);
 
 }  // namespace arpent::planning

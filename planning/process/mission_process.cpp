@@ -159,7 +159,9 @@ struct MissionProcess::State {
       bus.health().warn("stopped: something is in the way");
       stop();
     }
-    blocked = decision.stop;
+    // Once the robot stands, the planner finds the way out: what is ahead is in its map by then.
+    const bool stands = at.twist.speed_mps < 0.02 && std::abs(at.twist.turn_rate_radps) < 0.05;
+    blocked = decision.stop && !stands;
   }
 
   void step() {

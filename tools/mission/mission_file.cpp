@@ -23,13 +23,13 @@ tags::TagCubeConfig to_config(const sim::TagCube& cube) {
   return config;
 }
 
-/// A little more than the world's, so that its own surfaces are inside.
+/// The world's; wider by half a voxel on the ground, as walls on its border may come out a little beyond.
 void set_region(const sim::Region& region, planning::ExplorerParams& explore) {
-  constexpr double kMarginM = 0.15;
   for (std::size_t i = 0; i < 3; ++i) {
     const auto axis = static_cast<Eigen::Index>(i);
-    explore.region_min_m[i] = region.min_m[axis] - kMarginM;
-    explore.region_max_m[i] = region.max_m[axis] + kMarginM;
+    const double margin_m = i < 2 ? 0.6 * explore.tsdf.voxel_m : 0.0;
+    explore.region_min_m[i] = region.min_m[axis] - margin_m;
+    explore.region_max_m[i] = region.max_m[axis] + margin_m;
   }
 }
 

@@ -50,7 +50,7 @@ struct MissionSpec {
     visitor.field("seed", self.seed, "seed of all simulated noise", config::at_least(0));
     visitor.field("sensing", self.sensing, "images: cameras and all perception; depth: for missions about planning",
                   config::one_of({"images", "depth"}));
-    visitor.field("use_region", self.use_region, "explore only the world's region (with a margin of 15 cm)");
+    visitor.field("use_region", self.use_region, "explore only the world's region");
     visitor.group("sim", self.sim, "sim_process");
     visitor.group("base", self.base, "base_driver_process");
     visitor.group("depth", self.depth, "depth_process");

@@ -58,8 +58,6 @@ int run_one(const Flags& flags, int seed, const fs::path& out, int threads, bool
   write_mission_report(out, spec, result, figures);
   std::printf("seed             %d\n", seed);
   print(figures, result);
-  if (getenv("DBG")) for (const auto& r : result.reports) fprintf(stderr, "%.1f %.2f %.0f %s %s\n", to_seconds(r.stamp - result.reports.front().stamp), r.progress, r.left_s, r.activity.c_str(), r.reason.c_str());
-  if (getenv("DBG")) for (const auto& [n, f] : result.processes) for (auto& [m,c] : f.messages) fprintf(stderr, "%s: %s (%ld)\n", n.c_str(), m.c_str(), (long)c);
   std::printf("report           %s\n", fs::absolute(out / "report.html").c_str());
   return result.done() ? 0 : 1;
 }

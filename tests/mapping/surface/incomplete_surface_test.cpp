@@ -204,9 +204,24 @@ std::size_t count_with(float hidden_m, float weight, UnknownRule rule) {
   fill(map, {-1, -2, -2}, {2, 2, 2},
        [](const VoxelIndex& v) { return std::pair(0.1F * (static_cast<float>(v.x()) + 0.5F), kKnown); });
   set(map, {-1, 0, 0}, hidden_m, weight);
-  IncompleteSurface surface(rule, Eigen::AlignedBox3d(Eigen::Vector3d::Zero(), Eigen::Vector3d(0.1, 0.1, 0.1)));
+  IncompleteSurface surface(rule, Eigen::AlignedBox3d(Eigen::Vector3d(-0.1, 0, 0), Eigen::Vector3d(0.1, 0.1, 0.1)));
   surface.update(map);
   return surface.size();
+}
+
+TEST(IncompleteSurface, WhatIsUnknownBeyondTheRegionLeavesItComplete) {
+  TsdfMap map = make_map();
+  fill(map, {-1, -2, -2}, {2, 2, 2},
+       [](const VoxelIndex& v) { return std::pair(0.1F * (static_cast<float>(v.x()) + 0.5F), kKnown); });
+  set(map, {-1, 0, 0}, 0, 0);
+  const auto count_in = [&](double least_x_m) {
+    IncompleteSurface surface(UnknownRule::kSignChange,
+                              Eigen::AlignedBox3d(Eigen::Vector3d(least_x_m, 0, 0), Eigen::Vector3d(0.1, 0.1, 0.1)));
+    surface.update(map);
+    return surface.size();
+  };
+  EXPECT_EQ(count_in(-0.1), 1U);
+  EXPECT_EQ(count_in(0.0), 0U);
 }
 
 TEST(IncompleteSurface, AVoxelSeenSeldomBehindTheSurfaceLeavesItComplete) {

@@ -23,6 +23,8 @@ constexpr double kSpeedMps = 0.5;
 constexpr double kTurnRadps = 1.0;
 constexpr double kStartClearanceM = 0.8;
 constexpr double kReplanS = 2.0;
+/// About a viewpoint: the map may still find the surface to be nearer.
+constexpr double kRoomM = 0.04;
 /// The rig's field of view with fewer pixels: at 5 m they are 3 cm apart.
 const PinholeCamera kCamera{320, 256, 188.5, 188.5, 159.5, 127.5};
 constexpr double kBaselineM = 0.26;
@@ -78,7 +80,7 @@ class GroundFreeSpace : public FreeSpace {
       : ground_(ground), grid_(grid), unreachable_(unreachable), robot_(robot) {}
 
   [[nodiscard]] bool is_free(const Pose2& pose) const override {
-    return ground_.is_free(pose) && !unreachable_.find(pose, robot_, grid_);
+    return ground_.margin_m(pose) >= kRoomM && !unreachable_.find(pose, robot_, grid_);
   }
   [[nodiscard]] std::vector<std::optional<double>> distances_m(const Pose2& from, std::span<const Pose2> to,
                                                                double max_m) const override {

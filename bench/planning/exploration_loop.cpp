@@ -23,6 +23,7 @@ constexpr double kSpeedMps = 0.5;
 constexpr double kTurnRadps = 1.0;
 constexpr double kStartClearanceM = 0.8;
 constexpr double kReplanS = 2.0;
+constexpr double kBackOffM = 0.5;
 /// About a viewpoint: the map may still find the surface to be nearer.
 constexpr double kRoomM = 0.04;
 /// The rig's field of view with fewer pixels: at 5 m they are 3 cm apart.
@@ -124,6 +125,7 @@ class Explorer {
         plan(output);
       }
       if (output.leg) motions_.assign(output.leg->motions.begin(), output.leg->motions.end());
+      if (output.replan == ReplanReason::kNothingReachable) back_off();
       advance(kPeriodS);
       look();
     }
@@ -135,6 +137,7 @@ class Explorer {
 
  private:
   void look() {
+    if (trail_.empty() || !(trail_.back() == pose_)) trail_.push_back(pose_);
     const Pose T_map_cam = pose_.to_pose() * T_body_cam();
     map_.integrate(camera_.look(T_map_cam), T_map_cam);
     targets_.update(map_);
@@ -210,6 +213,22 @@ class Explorer {
     std::fflush(stdout);
   }
 
+  /// No leg leads on from here: back on the way it came.
+  void back_off() {
+    ++result_.back_offs;
+    double left_m = kBackOffM;
+    motions_.clear();
+    while (left_m > 0 && !trail_.empty()) {
+      const Pose2 back = trail_.back();
+      trail_.pop_back();
+      const double step_m = (back.position_m() - pose_.position_m()).norm();
+      left_m -= step_m;
+      result_.path_m += step_m;
+      result_.time_s += step_m / kSpeedMps + std::abs(wrap_angle(back.yaw_rad - pose_.yaw_rad)) / kTurnRadps;
+      pose_ = back;
+    }
+  }
+
   void advance(double time_s) {
     while (time_s > 1e-9 && !motions_.empty()) {
       const Motion motion = motions_.front();
@@ -240,6 +259,7 @@ class Explorer {
   Targets last_;
   PlannedTour tour_;
   std::deque<Motion> motions_;
+  std::vector<Pose2> trail_;
   std::optional<std::int64_t> visited_late_;
   double planned_at_s_ = -1e9;
   LoopResult result_;

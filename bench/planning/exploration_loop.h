@@ -24,7 +24,8 @@ struct LoopResult {
   bool finished = false;  ///< nothing was left that a viewpoint could complete
   double time_s = 0;      ///< driving, turning and looking
   double path_m = 0;
-  int visits = 0;  ///< viewpoints reached
+  int visits = 0;     ///< viewpoints reached
+  int back_offs = 0;  ///< no leg led on from where it stood
   std::size_t elements_left = 0;
   std::size_t completable_left = 0;      ///< of these, judged completable from poses that the robot can reach
   std::size_t known_voxels = 0;          ///< of the map

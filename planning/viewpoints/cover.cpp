@@ -21,10 +21,12 @@ struct Round {
   std::size_t poses_per_element;  ///< free ones that an element may ask for
   double widest_rad;              ///< from the direction from which it wants to be seen
   std::size_t least_worth;
+  double share_of_minimum;  ///< of min_viewpoint_m2, that a viewpoint has to complete
   bool all_looks;
 };
 /// Most elements are served by the first round, from the poses that serve many.
-constexpr std::array<Round, 3> kRounds = {{{1, pi / 3, 8, false}, {3, pi / 3, 3, false}, {6, pi, 1, true}}};
+constexpr std::array<Round, 3> kRounds = {
+    {{1, pi / 3, 8, 1, false}, {3, pi / 3, 3, 0.25, false}, {6, pi, 1, 0, true}}};
 /// Elements near the floor are measured from close by only: so near may the camera go.
 constexpr double kNearestM = 0.7;
 /// Beside delta_pose, a stand-off this much farther, from which more elements are in view.
@@ -209,7 +211,11 @@ Cover cover_elements(const Sight& sight, const FreeSpace& free_space, const Pose
   for (const Round& round : kRounds) {
     const std::vector<Pose2> poses = Candidates(sight, params).find(cover.left, round, free_space, robot);
     const int looks = round.all_looks ? params.max_looks : params.looks;
-    extend_cover(cover, sight, poses, {looks, params.unknown_reach_m, round.least_worth});
+    const double least = round.share_of_minimum * params.min_viewpoint_m2 / (sight.voxel_m() * sight.voxel_m());
+    const std::size_t least_worth = std::max(round.least_worth, static_cast<std::size_t>(std::ceil(least)));
+    extend_cover(cover, sight, poses, {looks, params.unknown_reach_m, least_worth});
+    cover.postponed = params.min_viewpoint_m2 > 0 && !cover.viewpoints.empty();
+    if (cover.postponed) break;
   }
   return cover;
 }

@@ -65,7 +65,7 @@ void add_attempt(std::vector<Viewpoint>& attempts, const Sight& sight, std::uint
 std::vector<Certificate> settle_the_rest(Cover& cover, const Sight& sight, const FreeSpace& free_space,
                                          const Pose2& robot, const ViewpointParams& params) {
   std::vector<Certificate> remaining;
-  if (cover.left.empty()) return remaining;
+  if (cover.left.empty() || cover.postponed) return remaining;
   const Certifier certifier(sight, free_space, robot, params);
   std::vector<Pose2> poses;
   std::unordered_map<std::uint32_t, std::vector<Pose2>> poses_of;
@@ -166,6 +166,7 @@ Targets ExplorationTargets::plan(const TsdfMap& map, const FreeSpace& free_space
       thesis ? generate_as_printed(sight, free_space, robot, params) : cover_elements(sight, free_space, robot, params);
   Targets targets;
   targets.elements = sight.elements().size();
+  targets.postponed = cover.postponed ? cover.left.size() : 0;
   targets.remaining = settle_the_rest(cover, sight, free_space, robot, params);
   const Partition partition = thesis ? cluster_by_single_linkage(cover.viewpoints, params)
                                      : cluster_by_drive(cover.viewpoints, params, free_space);

@@ -47,6 +47,7 @@ struct ViewpointParams {
   double unknown_reach_m = 0.5;
   double lattice_m = 0.25;
   int headings = 24;
+  double min_viewpoint_m2 = 0.3;
   double give_up_factor = 4.0;
 
   template <class Self, class Visitor>
@@ -77,6 +78,9 @@ struct ViewpointParams {
     visitor.field("lattice_m", self.lattice_m, "default: spacing of the poses that are tried",
                   config::between(0.05, 2.0));
     visitor.field("headings", self.headings, "default: headings tried at each of them", config::between(4, 72));
+    visitor.field("min_viewpoint_m2", self.min_viewpoint_m2,
+                  "default: what completes less surface than this waits until nothing larger is left; 0: nothing waits",
+                  config::at_least(0.0));
     visitor.field("give_up_factor", self.give_up_factor,
                   "a voxel that stays unknown after looks worth this many times W_th is below the sensing limit",
                   config::at_least(1.0));

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The arpent authors
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// `./arpent evaluate`: trajectories and meshes against the truth; docs/evaluation.md explains every key.
+// `./arpent evaluate`: trajectories, meshes and missions against the truth; docs/evaluation.md explains every key.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -11,15 +11,25 @@
 #include "common/error.h"
 #include "tools/evaluation/mesh.h"
 #include "tools/evaluation/trajectory.h"
+#include "tools/mission/evaluate.h"
 
 namespace {
 
 using namespace arpent;
 using nlohmann::ordered_json;
+using tools::evaluate_folder;
 
 void finish(const ordered_json& json, const std::string& file) {
   for (const auto& [key, value] : json.items()) fmt::print("  {:28} {}\n", key, value.dump());
   if (!file.empty()) atomic_write(file, json.dump(1) + "\n");
+}
+
+void finish_rows(const nlohmann::json& rows, const std::string& file) {
+  for (const auto& row : rows) {
+    fmt::print("  {:36} {:.6g} {}\n", row["name"].get<std::string>(), row["value"].get<double>(),
+               row["unit"].get<std::string>());
+  }
+  if (!file.empty()) atomic_write(file, rows.dump(1) + "\n");
 }
 
 ordered_json trajectory_json(const evaluation::TrajectoryErrors& e, const std::string& alignment) {
@@ -62,18 +72,23 @@ ordered_json mesh_json(const evaluation::MeshErrors& e, double e_max_m) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app{"Compares trajectories and meshes with the truth."};
+  CLI::App app{"Compares trajectories, meshes and missions with the truth."};
   app.name("arpent evaluate");
-  std::string reference, estimate, json_file, alignment = "se3";
+  std::string reference, estimate, folder, world, json_file, alignment = "se3";
   std::vector<double> segments;
   evaluation::MeshParams params;
   auto* trajectory = app.add_subcommand("trajectory", "TUM, KITTI or EuRoC files");
   auto* mesh = app.add_subcommand("mesh", "PLY meshes or clouds");
+  auto* mission = app.add_subcommand("mission", "a mission's folder");
   for (auto* command : {trajectory, mesh}) {
     command->add_option("--reference", reference, "the truth")->required();
     command->add_option("--estimate", estimate, "what is judged")->required();
+  }
+  for (auto* command : {trajectory, mesh, mission}) {
     command->add_option("--json", json_file, "write the figures as JSON");
   }
+  mission->add_option("DIR", folder, "what ./arpent mission wrote")->required();
+  mission->add_option("--world", world, "world file instead of the one in the mission's log");
   trajectory->add_option("--align", alignment, "alignment of the estimate")
       ->capture_default_str()
       ->check(CLI::IsMember({"se3", "posyaw", "none"}));
@@ -98,6 +113,8 @@ int main(int argc, char** argv) {
                                                   evaluation::read_trajectory(estimate), kind, segments),
                              alignment),
              json_file);
+    } else if (*mission) {
+      finish_rows(evaluate_folder(folder, world), json_file);
     } else {
       finish(mesh_json(evaluation::evaluate_mesh(read_ply(reference), read_ply(estimate), params), params.e_max_m),
              json_file);

@@ -8,6 +8,7 @@
 #include <cstdint>
 
 #include "common/mesh.h"
+#include "tools/evaluation/m3c2.h"
 
 namespace arpent::evaluation {
 
@@ -38,16 +39,5 @@ struct MeshErrors {
 /// is empty.
 [[nodiscard]] MeshErrors evaluate_mesh(const TriangleMesh& reference, const TriangleMesh& estimate,
                                        const MeshParams& params);
-
-/// Points spread uniformly over the surface, with the triangles' normals; a cloud's own points. Deterministic.
-struct Samples {
-  std::vector<Eigen::Vector3d> points_m;
-  std::vector<Eigen::Vector3d> normals;  ///< zero for a cloud without normals
-};
-[[nodiscard]] Samples sample_surface(const TriangleMesh& mesh, double per_m2, int max_samples, std::uint64_t seed);
-
-/// Distance from a point to a triangle.
-[[nodiscard]] double point_triangle_distance(const Eigen::Vector3d& p, const Eigen::Vector3d& a,
-                                             const Eigen::Vector3d& b, const Eigen::Vector3d& c);
 
 }  // namespace arpent::evaluation

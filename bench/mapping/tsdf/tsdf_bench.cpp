@@ -19,6 +19,7 @@
 #include "mapping/tsdf/storage.h"
 #include "mapping/tsdf/tsdf_map.h"
 #include "tools/evaluation/mesh.h"
+#include "tools/evaluation/surface_index.h"
 
 namespace arpent {
 namespace {

@@ -11,6 +11,7 @@
 
 #include "common/error.h"
 #include "tools/evaluation/mesh.h"
+#include "tools/evaluation/surface_index.h"
 #include "tools/evaluation/trajectory.h"
 
 namespace arpent::evaluation {

@@ -13,21 +13,21 @@
 namespace arpent::calib {
 namespace {
 
-/// Sub-pixel corners: where the grey gradients around a saddle point all meet. Points that run away from their start,
-/// or whose window leaves the image, are dropped (NaN).
+/// Sub-pixel corners: where the grey gradients around a saddle point all meet; a second run, for those whose start was
+/// far off. What OpenCV gives up on (it ran out of its window, and stays where it was) or is at the image's edge
+/// becomes NaN.
 void refine(const cv::Mat1b& image, int half_window_px, std::vector<cv::Point2f>& points) {
-  const std::vector<cv::Point2f> start = points;
   if (points.empty()) return;
+  const std::vector<cv::Point2f> start = points;
   const cv::TermCriteria until(cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 40, 1e-3);
-  cv::cornerSubPix(image, points, {half_window_px, half_window_px}, {-1, -1}, until);
-  const cv::Rect2f inside(static_cast<float>(half_window_px + 1), static_cast<float>(half_window_px + 1),
-                          static_cast<float>(image.cols - 2 * half_window_px - 3),
-                          static_cast<float>(image.rows - 2 * half_window_px - 3));
+  for (int run = 0; run < 2; ++run) {
+    cv::cornerSubPix(image, points, {half_window_px, half_window_px}, {-1, -1}, until);
+  }
+  const auto margin = static_cast<float>(half_window_px + 1);
+  const cv::Rect2f inside(margin, margin, static_cast<float>(image.cols) - 2 * margin - 1,
+                          static_cast<float>(image.rows) - 2 * margin - 1);
   for (std::size_t i = 0; i < points.size(); ++i) {
-    const cv::Point2f moved = points[i] - start[i];
-    if (!inside.contains(points[i]) || std::hypot(moved.x, moved.y) > static_cast<float>(half_window_px)) {
-      points[i] = {NAN, NAN};
-    }
+    if (!inside.contains(points[i]) || points[i] == start[i]) points[i] = {NAN, NAN};
   }
 }
 

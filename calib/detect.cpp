@@ -18,7 +18,6 @@ namespace {
 /// becomes NaN.
 void refine(const cv::Mat1b& image, int half_window_px, std::vector<cv::Point2f>& points) {
   if (points.empty()) return;
-  const std::vector<cv::Point2f> start = points;
   const cv::TermCriteria until(cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 40, 1e-3);
   for (int run = 0; run < 2; ++run) {
     cv::cornerSubPix(image, points, {half_window_px, half_window_px}, {-1, -1}, until);
@@ -26,27 +25,37 @@ void refine(const cv::Mat1b& image, int half_window_px, std::vector<cv::Point2f>
   const auto margin = static_cast<float>(half_window_px + 1);
   const cv::Rect2f inside(margin, margin, static_cast<float>(image.cols) - 2 * margin - 1,
                           static_cast<float>(image.rows) - 2 * margin - 1);
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    if (!inside.contains(points[i]) || points[i] == start[i]) points[i] = {NAN, NAN};
+  for (cv::Point2f& point : points) {
+    if (!inside.contains(point)) point = {NAN, NAN};
   }
 }
 
-/// A half window that stays within the black square between tags (a gap wide), as far as it is wider than 5 x 5.
-int tag_window(const ImageQuad& quad, double spacing_ratio, int least_px) {
-  double side_px = 1e9;
-  for (std::size_t k = 0; k < 4; ++k) side_px = std::min(side_px, (quad[k] - quad[(k + 1) % 4]).norm());
-  return std::clamp(static_cast<int>(0.4 * std::min(spacing_ratio, 0.3) * side_px), least_px, 6);
+/// A half window that takes in no other field than the four that meet: `field_px` is the smallest one's side.
+int window_for(double field_px, int most_px) {
+  constexpr int kLeastPx = 2;
+  return std::clamp(static_cast<int>(0.4 * field_px), kLeastPx, std::max(most_px, kLeastPx));
 }
 
-Corners detect_grid(const TagSearch& search, const Target& target, const cv::Mat1b& image, int least_window_px) {
+/// The smallest field at a tag's corner: the square in the gap, or the tag's border.
+double smallest_field_px(const ImageQuad& quad, const Target& target) {
+  double side_px = 1e9;
+  for (std::size_t k = 0; k < 4; ++k) side_px = std::min(side_px, (quad[k] - quad[(k + 1) % 4]).norm());
+  const double border = target.border_cells / (6.0 + 2 * target.border_cells);
+  return side_px * std::min(target.spacing_ratio, border);
+}
+
+Corners detect_grid(const TagSearch& search, const Target& target, const cv::Mat1b& image, int most_window_px) {
   Corners corners;
   for (const GridTag& tag : search.find(image)) {
     std::vector<cv::Point2f> points;
     for (const auto& px : tag.quad) points.emplace_back(static_cast<float>(px.x()), static_cast<float>(px.y()));
-    refine(image, tag_window(tag.quad, target.spacing_ratio, least_window_px), points);
+    const std::vector<cv::Point2f> start = points;
+    refine(image, window_for(smallest_field_px(tag.quad, target), most_window_px), points);
     for (int k = 0; k < 4; ++k) {
       const cv::Point2f& p = points[static_cast<std::size_t>(k)];
-      if (std::isfinite(p.x)) corners.push_back({4 * tag.number + k, {p.x, p.y}});
+      // One that stayed where it was ran away, and is known to a pixel only.
+      const bool refined = std::isfinite(p.x) && p != start[static_cast<std::size_t>(k)];
+      if (refined) corners.push_back({4 * tag.number + k, {p.x, p.y}});
     }
   }
   return corners;
@@ -87,7 +96,9 @@ Corners detect_chessboard(const Target& target, const cv::Mat1b& image, int half
   std::vector<cv::Point2f> points;
   const int flags = cv::CALIB_CB_ADAPTIVE_THRESH | cv::CALIB_CB_NORMALIZE_IMAGE;
   if (!cv::findChessboardCorners(image, {target.columns, target.rows}, points, flags)) return {};
-  refine(image, half_window_px, points);
+  double field_px = 1e9;
+  for (std::size_t i = 1; i < points.size(); ++i) field_px = std::min(field_px, cv::norm(points[i] - points[i - 1]));
+  refine(image, window_for(field_px, half_window_px), points);
   if (std::any_of(points.begin(), points.end(), [](const auto& p) { return !std::isfinite(p.x); })) return {};
   order_chessboard(image, target.rows, target.columns, points);
   Corners corners;

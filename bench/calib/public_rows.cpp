@@ -155,6 +155,8 @@ void add_apriltag_rows(Report& report, const fs::path& folder) {
   report.add("calib.aprilgrid_found_percent", 100.0 * sum.found / sum.expected, "%", "bar >= 95; 2-bit border");
   tags::DetectorParams params;
   params.decimate = 1;
+  params.max_hamming = 2;
+  params.min_decision_margin = 0;
   const tags::TagDetector tag_detector(params);
   int found = 0, wrong = 0;
   for (const auto& entry : fs::directory_iterator(folder / "aprilrobotics")) {

@@ -79,6 +79,7 @@ pkg_check_modules(LCM REQUIRED IMPORTED_TARGET lcm)
 find_package(apriltag REQUIRED)
 find_package(embree 3 REQUIRED)
 find_package(assimp REQUIRED)
+find_package(Ceres REQUIRED)
 
 # Debian ships OpenCVConfig.cmake only with the 670 MB libopencv-dev, so its modules are found one by one.
 find_path(OPENCV_INCLUDE_DIR opencv2/core.hpp PATH_SUFFIXES opencv4 REQUIRED)

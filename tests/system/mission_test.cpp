@@ -1,0 +1,125 @@
+// SPDX-FileCopyrightText: The arpent authors
+// SPDX-License-Identifier: BSD-3-Clause
+// Whole simulated missions in lockstep: the same seed gives the same bytes, the log replays to what it says, and what
+// cannot be run is one clear error.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "common/atomic_file.h"
+#include "common/error.h"
+#include "tools/mission/figures.h"
+#include "tools/replay/replay.h"
+
+namespace arpent::tools {
+namespace {
+
+namespace fs = std::filesystem;
+const fs::path kConfig = ARPENT_SOURCE_DIR "/config";
+
+class MissionTest : public testing::Test {
+ protected:
+  ~MissionTest() override { fs::remove_all(folder_); }
+
+  MissionSpec square(int seed, const std::vector<std::string>& settings) const {
+    MissionOverrides overrides;
+    overrides.seed = seed;
+    overrides.settings = settings;
+    return load_mission(kConfig / "missions/square.yaml", overrides);
+  }
+  MissionResult run(const MissionSpec& spec, int threads = 2) const {
+    MissionOptions options;
+    options.out = folder_;
+    options.threads = threads;
+    options.progress = false;
+    return run_mission(spec, options);
+  }
+
+  fs::path folder_ = fs::path(testing::TempDir()) /
+                     (std::string("mission_") + testing::UnitTest::GetInstance()->current_test_info()->name());
+};
+
+/// One small lap: about 11 m.
+const std::vector<std::string> kShort{"mission.loop.laps=1", "mission.loop.size_m=[2,1.6]",
+                                      "mission.loop.centre_m=[3.5,1.8]", "mission.loop.entry_m=[3.5,1.0]"};
+
+TEST_F(MissionTest, ALapIsDrivenOnItsOwnPoseAndItsLogReplaysByteForByte) {
+  const MissionResult result = run(square(1, kShort));
+  ASSERT_TRUE(result.done()) << (result.reports.empty() ? "" : result.reports.back().reason);
+  const MissionFigures figures = measure(result);
+  EXPECT_EQ(figures.collisions, 0);
+  EXPECT_GT(figures.path_m, 8);
+  EXPECT_LT(figures.ate_m, 0.05);
+  EXPECT_LT(figures.yaw_error_deg, 1.0);
+  EXPECT_LT(figures.worst_off_path_m, 0.15);
+  EXPECT_GT(result.mesh.triangles.size(), 2000U);
+
+  const ReplayInput input = open_log(result.log, folder_ / "replay", "", {});
+  EXPECT_TRUE(input.drive);
+  const ReplayResult replayed = run_lockstep(input, {});
+  const LogComparison comparison = compare_with_log(input, replayed);
+  EXPECT_GT(comparison.compared, 1000);
+  EXPECT_EQ(comparison.different, 0);
+}
+
+TEST_F(MissionTest, TheSameSeedGivesTheSameBytesWithAnyNumberOfThreads) {
+  std::vector<std::string> brief = kShort;
+  brief.emplace_back("mission.max_time_s=6");
+  const MissionResult first = run(square(3, brief), 1);
+  EXPECT_EQ(first.log_crc, run(square(3, brief), 2).log_crc);
+  EXPECT_NE(first.log_crc, run(square(4, brief), 1).log_crc);
+  EXPECT_EQ(first.reports.back().state, planning::MissionState::kAborted);
+  EXPECT_NE(first.reports.back().reason.find("max_time_s"), std::string::npos);
+}
+
+TEST_F(MissionTest, WithDepthInsteadOfImagesTheSameMissionRuns) {
+  MissionSpec spec = square(1, kShort);
+  spec.sensing = spec.sim.sensing = "depth";
+  const MissionResult result = run(spec);
+  EXPECT_TRUE(result.done());
+  EXPECT_EQ(result.collisions, 0);
+  EXPECT_LT(measure(result).ate_m, 0.15);
+}
+
+TEST_F(MissionTest, ARobotExploresByItselfWithoutTouchingAnything) {
+  MissionOverrides overrides;
+  overrides.settings = {"mission.max_time_s=25"};
+  overrides.sensing = "depth";
+  const MissionResult result = run(load_mission(kConfig / "missions/test_arena.yaml", overrides));
+  EXPECT_EQ(result.collisions, 0);
+  EXPECT_GT(measure(result).path_m, 1.0);
+  ASSERT_FALSE(result.reports.empty());
+  EXPECT_GT(result.reports.back().progress, 0.4);
+}
+
+TEST_F(MissionTest, WhatCannotBeRunIsOneClearError) {
+  const auto fault = [&](const std::vector<std::string>& settings) -> std::string {
+    try {
+      (void)run(square(1, settings));
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_NE(fault({"start=9"}).find("no start 9"), std::string::npos);
+  EXPECT_NE(fault({"mission.loop.corner_radius_m=5"}).find("corner_radius_m"), std::string::npos);
+  EXPECT_NE(fault({"mission.kind=fly"}).find("kind"), std::string::npos);
+  EXPECT_NE(fault({"sim.motors.left_slip=2"}).find("left_slip"), std::string::npos);
+  EXPECT_NE(fault({"world=/nowhere.yaml"}).find("nowhere"), std::string::npos);
+  fs::create_directories(folder_);
+  const fs::path robot = folder_ / "robot.yaml";
+  atomic_write(robot, "name: r\nrig: " + (kConfig / "rigs/wifibot_stereo.yaml").string() + "\nbase: {track_m: -0.4}\n");
+  EXPECT_NE(fault({"robot=" + robot.string()}).find("track_m"), std::string::npos);
+}
+
+TEST(Missions, EveryShippedMissionLoads) {
+  int count = 0;
+  for (const auto& entry : fs::directory_iterator(kConfig / "missions")) {
+    EXPECT_NO_THROW((void)load_mission(entry.path(), {})) << entry.path();
+    ++count;
+  }
+  EXPECT_GE(count, 3);
+}
+
+}  // namespace
+}  // namespace arpent::tools

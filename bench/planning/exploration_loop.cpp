@@ -207,9 +207,11 @@ class Explorer {
         tiny += v.elements.size() <= 3 ? 1U : 0U;
       }
     }
-    std::printf("%7.1f s %6.1f m  (%5.2f %5.2f %5.2f)  elements %5zu  clusters %3zu viewpoints %3zu tiny %3zu remaining %4zu  %6.1f ms, targets %6.1f\n",
-                result_.time_s, result_.path_m, pose_.x_m, pose_.y_m, pose_.yaw_rad, last_.elements, last_.clusters.size(), viewpoints,
-                tiny, last_.remaining.size(), result_.total_ms.back(), result_.targets_ms.back());
+    std::printf(
+        "%7.1f s %6.1f m  (%5.2f %5.2f %5.2f)  elements %5zu  clusters %3zu viewpoints %3zu tiny %3zu remaining %4zu  "
+        "%6.1f ms, targets %6.1f\n",
+        result_.time_s, result_.path_m, pose_.x_m, pose_.y_m, pose_.yaw_rad, last_.elements, last_.clusters.size(),
+        viewpoints, tiny, last_.remaining.size(), result_.total_ms.back(), result_.targets_ms.back());
     std::fflush(stdout);
   }
 
@@ -232,8 +234,7 @@ class Explorer {
   void advance(double time_s) {
     while (time_s > 1e-9 && !motions_.empty()) {
       const Motion motion = motions_.front();
-      const double takes_s =
-          motion.is_turn() ? std::abs(motion.turn_rad) / kTurnRadps : motion.length_m / kSpeedMps;
+      const double takes_s = motion.is_turn() ? std::abs(motion.turn_rad) / kTurnRadps : motion.length_m / kSpeedMps;
       const double share = takes_s <= time_s ? 1 : time_s / takes_s;
       result_.path_m += share * motion.length_m;
       pose_ = pose_at(motion, share);

@@ -40,8 +40,8 @@ enum class UnknownRule : std::uint8_t {
 
 class IncompleteSurface {
  public:
-  /// With a region, only voxels whose centre lies in it (map frame) can be elements, and with kSignChange what is unknown
-  /// beyond it makes none.
+  /// With a region, only voxels whose centre lies in it (map frame) can be elements, and with kSignChange what is
+  /// unknown beyond it makes none.
   explicit IncompleteSurface(UnknownRule rule = UnknownRule::kSignChange,
                              std::optional<Eigen::AlignedBox3d> region_map_m = std::nullopt);
   ~IncompleteSurface();

@@ -1,0 +1,153 @@
+// SPDX-FileCopyrightText: The arpent authors
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// `./arpent calibrate WHAT`: boards to print, cameras (docs/calibration.md).
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <filesystem>
+#include <opencv2/core.hpp>
+
+#include "calib/artwork.h"
+#include "calib/output.h"
+#include "common/atomic_file.h"
+#include "common/config/rig.h"
+#include "common/error.h"
+#include "tools/calibrate/files.h"
+#include "tools/calibrate/stereo_report.h"
+#include "tools/progress.h"
+
+namespace {
+
+using namespace arpent;
+namespace fs = std::filesystem;
+
+struct Flags {
+  std::string target, pdf, page = "a4", images, corners, log, out, json, lens = "radtan";
+  std::vector<int> size{0, 0};
+  std::size_t most_views = 80;
+  bool force = false;
+};
+
+/// Width and height [m].
+std::pair<double, double> page_size(const std::string& name) {
+  static const std::map<std::string, std::pair<double, double>> sizes{{"a4", {0.210, 0.297}},
+                                                                      {"a3", {0.297, 0.420}},
+                                                                      {"a2", {0.420, 0.594}},
+                                                                      {"a1", {0.594, 0.841}},
+                                                                      {"a0", {0.841, 1.189}}};
+  return sizes.at(name);
+}
+
+int print_target(const Flags& flags) {
+  const calib::Target target = calib::load_target(flags.target);
+  auto [width_m, height_m] = page_size(flags.page);
+  const Eigen::Vector2d size_m = target.size_m();
+  if (size_m.x() > size_m.y()) std::swap(width_m, height_m);
+  atomic_write(flags.pdf, calib::board_pdf(target, width_m, height_m));
+  std::printf("%s: a board of %.0f x %.0f mm on %s; print at 100 %% and measure the bar\n", flags.pdf.c_str(),
+              1e3 * size_m.x(), 1e3 * size_m.y(), flags.page.c_str());
+  return 0;
+}
+
+calib::BoardViews load_views(const Flags& flags) {
+  const calib::Target target = calib::load_target(flags.target);
+  if (!flags.images.empty()) {
+    return tools::views_from_images(target, flags.images,
+                                    [](auto done, auto total) { tools::show_progress("corners", done, total); });
+  }
+  if (!flags.log.empty()) {
+    return tools::views_from_log(target, flags.log, flags.most_views,
+                                 [](auto done, auto total) { tools::show_progress("corners", done, total); });
+  }
+  auto views = tools::views_from_corners(target, flags.corners, {flags.size[0], flags.size[1]});
+  if (flags.size[0] == 0) {
+    std::printf("took the images to be %d x %d: --size says otherwise\n", views.cameras[0].width_px,
+                views.cameras[0].height_px);
+  }
+  return views;
+}
+
+void write_calibration(const calib::Calibration& found, const fs::path& out) {
+  atomic_write(out / "camchain.yaml", calib::to_camchain_yaml(found.rig));
+  if (found.rig.cameras.size() < 2 || !find_faults(calib::to_stereo(found.rig)).empty()) return;
+  const StereoCalibration stereo = calib::to_stereo(found.rig);
+  if (stereo.left.distortion != DistortionModel::kEquidistant) {
+    atomic_write(out / "opencv.yaml", calib::to_opencv_yaml(stereo));
+  }
+  atomic_write(out / "rig.yaml", config::to_yaml(to_rig(stereo, "calibrated")));
+}
+
+int calibrate_cameras(const Flags& flags) {
+  cv::setNumThreads(1);
+  calib::CalibrationParams params;
+  if (flags.lens == "equidistant") params.model = DistortionModel::kEquidistant;
+  const calib::BoardViews views = load_views(flags);
+  const calib::Calibration found = calib::calibrate(views, params);
+  const calib::Quality quality = calib::assess(found);
+  std::printf("%s", tools::summarize(found, quality).c_str());
+  fs::create_directories(flags.out);
+  tools::write_report(found, quality, flags.out);
+  if (!flags.json.empty()) atomic_write(flags.json, tools::to_json(found, quality).dump(1) + "\n");
+  if (quality.grade == calib::Grade::kBad && !flags.force) {
+    std::printf("%s: only the report was written (--force writes the rest)\n", flags.out.c_str());
+    return 1;
+  }
+  write_calibration(found, flags.out);
+  std::printf("%s: camchain.yaml, report.html%s\n", flags.out.c_str(),
+              found.rig.cameras.size() > 1 ? ", rig.yaml and more" : "");
+  return 0;
+}
+
+void add_target(CLI::App& app, Flags& flags) {
+  CLI::App* sub = app.add_subcommand("target", "print a board, true to scale");
+  sub->add_option("--target", flags.target, "target.yaml as Kalibr's; tagBorder: 1 or 2 (default)")->required();
+  sub->add_option("--pdf", flags.pdf, "file to write")->required();
+  sub->add_option("--page", flags.page, "paper")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"a4", "a3", "a2", "a1", "a0"}));
+}
+
+void add_stereo(CLI::App& app, Flags& flags) {
+  CLI::App* sub =
+      app.add_subcommand("stereo", "lenses and places of one, two or more cameras that are fixed to each other");
+  sub->add_option("--target", flags.target, "target.yaml as Kalibr's")->required();
+  auto* input = sub->add_option_group("input");
+  input->add_option("--images", flags.images, "folder: cam0/ cam1/ … or left*, right*; EuRoC's mav0");
+  input->add_option("--corners", flags.corners,
+                    "folder of CSV files, one per view and camera: kp_x, kp_y, p_x, p_y, p_z");
+  input->add_option("--log", flags.log, "LCM log with STEREO_IMAGES");
+  input->require_option(1);
+  sub->add_option("--out", flags.out, "folder for camchain.yaml, opencv.yaml, rig.yaml, report.html")->required();
+  sub->add_option("--json", flags.json, "write all figures to this file");
+  sub->add_option("--lens", flags.lens, "distortion")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"radtan", "equidistant"}));
+  sub->add_option("--size", flags.size, "width,height of the images, for --corners [px]")->delimiter(',')->expected(2);
+  sub->add_option("--max-views", flags.most_views, "views taken from a log")
+      ->capture_default_str()
+      ->check(CLI::Range(4, 1000));
+  sub->add_flag("--force", flags.force, "write a calibration that is bad, too");
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app{"Calibration (docs/calibration.md). Exit code 1: a bad calibration; 2: input that cannot be used."};
+  app.name("arpent calibrate");
+  app.require_subcommand(1);
+  Flags flags;
+  add_target(app, flags);
+  add_stereo(app, flags);
+  try {
+    app.parse(argc, argv);
+    return app.got_subcommand("target") ? print_target(flags) : calibrate_cameras(flags);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 2;
+  } catch (const InputError& error) {
+    std::fprintf(stderr, "calibrate: %s\n", error.what());
+    return 2;
+  } catch (const fs::filesystem_error& error) {
+    std::fprintf(stderr, "calibrate: %s\n", error.what());
+    return 2;
+  }
+}

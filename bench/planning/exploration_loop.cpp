@@ -37,7 +37,9 @@ Pose T_body_cam() {
   return T;
 }
 
-/// Exact depth of a world.
+/// Exact depth of a world, as far as stereo tells anything.
+constexpr float kFarM = 30.0F;
+
 class DepthCamera {
  public:
   explicit DepthCamera(const sim::World& world) : tracer_(sim::make_surface_mesh(world)) {}
@@ -56,7 +58,7 @@ class DepthCamera {
             packet.direction[k][lane] = static_cast<float>(ray[static_cast<int>(k)]);
           }
         }
-        packet.t.fill(5.0F);
+        packet.t.fill(kFarM);
         packet.facet.fill(-1);
         tracer_.intersect(packet);
         for (int i = 0; i < sim::kLanes; ++i) {
@@ -101,9 +103,9 @@ mapping::TsdfParams map_params(double voxel_m) {
   return params;
 }
 
-class Explorer {
+class Loop {
  public:
-  Explorer(const sim::World& world, const LoopParams& params)
+  Loop(const sim::World& world, const LoopParams& params)
       : params_(params),
         camera_(world),
         map_(map_params(params.voxel_m)),
@@ -207,9 +209,11 @@ class Explorer {
         tiny += v.elements.size() <= 3 ? 1U : 0U;
       }
     }
-    std::printf("%7.1f s %6.1f m  (%5.2f %5.2f %5.2f)  elements %5zu  clusters %3zu viewpoints %3zu tiny %3zu remaining %4zu  %6.1f ms, targets %6.1f\n",
-                result_.time_s, result_.path_m, pose_.x_m, pose_.y_m, pose_.yaw_rad, last_.elements, last_.clusters.size(), viewpoints,
-                tiny, last_.remaining.size(), result_.total_ms.back(), result_.targets_ms.back());
+    std::printf(
+        "%7.1f s %6.1f m  (%5.2f %5.2f %5.2f)  elements %5zu  clusters %3zu viewpoints %3zu tiny %3zu remaining %4zu  "
+        "%6.1f ms, targets %6.1f\n",
+        result_.time_s, result_.path_m, pose_.x_m, pose_.y_m, pose_.yaw_rad, last_.elements, last_.clusters.size(),
+        viewpoints, tiny, last_.remaining.size(), result_.total_ms.back(), result_.targets_ms.back());
     std::fflush(stdout);
   }
 
@@ -232,8 +236,7 @@ class Explorer {
   void advance(double time_s) {
     while (time_s > 1e-9 && !motions_.empty()) {
       const Motion motion = motions_.front();
-      const double takes_s =
-          motion.is_turn() ? std::abs(motion.turn_rad) / kTurnRadps : motion.length_m / kSpeedMps;
+      const double takes_s = motion.is_turn() ? std::abs(motion.turn_rad) / kTurnRadps : motion.length_m / kSpeedMps;
       const double share = takes_s <= time_s ? 1 : time_s / takes_s;
       result_.path_m += share * motion.length_m;
       pose_ = pose_at(motion, share);
@@ -268,7 +271,7 @@ class Explorer {
 }  // namespace
 
 LoopResult explore(const sim::World& world, const LoopParams& params) {
-  return Explorer(world, params).run();
+  return Loop(world, params).run();
 }
 
 }  // namespace arpent::bench

@@ -15,7 +15,7 @@ namespace arpent::bench {
 
 struct LoopParams {
   double voxel_m = 0.2;
-  planning::ViewpointParams viewpoints;
+  planning::ViewpointParams viewpoints = {};
   double longest_s = 3600;  ///< of simulated time, then it ends unfinished
   bool progress = false;    ///< one line per plan
 };
@@ -27,11 +27,11 @@ struct LoopResult {
   int visits = 0;     ///< viewpoints reached
   int back_offs = 0;  ///< no leg led on from where it stood
   std::size_t elements_left = 0;
-  std::size_t completable_left = 0;      ///< of these, judged completable from poses that the robot can reach
-  std::size_t known_voxels = 0;          ///< of the map
-  std::vector<double> total_ms;          ///< per plan, CPU: ground, viewpoints, tour, first leg
-  std::vector<double> targets_ms;        ///< per plan, CPU: viewpoints and clusters alone
-  std::vector<double> note_look_ms;      ///< per depth image
+  std::size_t completable_left = 0;  ///< of these, judged completable from poses that the robot can reach
+  std::size_t known_voxels = 0;      ///< of the map
+  std::vector<double> total_ms;      ///< per plan, CPU: ground, viewpoints, tour, first leg
+  std::vector<double> targets_ms;    ///< per plan, CPU: viewpoints and clusters alone
+  std::vector<double> note_look_ms;  ///< per depth image
 };
 
 /// From the world's first start. Deterministic but for the times.

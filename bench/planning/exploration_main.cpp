@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
 // Explores one world in the closed loop of bench `planning`, with a line per plan: WORLD.yaml or random:SEED, r_v [m].
-#include <cstdio>
 #include <algorithm>
+#include <cstdio>
 #include <string>
 
 #include "bench/harness.h"
@@ -35,10 +35,13 @@ int main(int argc, char** argv) {
     const auto result = arpent::bench::explore(load(argv[1]), params);
     auto total = result.total_ms;
     std::sort(total.begin(), total.end());
-    std::printf("%s: %.1f s, %.1f m, %d visits, %d back-offs, %zu plans, %zu left, %zu completable, known %zu; plan median %.1f p95 %.1f max %.1f ms, targets median %.1f, note_look %.2f ms\n",
-                result.finished ? "finished" : "NOT finished", result.time_s, result.path_m, result.visits, result.back_offs, total.size(),
-                result.elements_left, result.completable_left, result.known_voxels, total[total.size() / 2], total[total.size() * 95 / 100],
-                total.back(), arpent::bench::median(result.targets_ms), arpent::bench::median(result.note_look_ms));
+    std::printf(
+        "%s: %.1f s, %.1f m, %d visits, %d back-offs, %zu plans, %zu left, %zu completable, known %zu; plan median "
+        "%.1f p95 %.1f max %.1f ms, targets median %.1f, note_look %.2f ms\n",
+        result.finished ? "finished" : "NOT finished", result.time_s, result.path_m, result.visits, result.back_offs,
+        total.size(), result.elements_left, result.completable_left, result.known_voxels, total[total.size() / 2],
+        total[total.size() * 95 / 100], total.back(), arpent::bench::median(result.targets_ms),
+        arpent::bench::median(result.note_look_ms));
     return result.finished ? 0 : 1;
   } catch (const arpent::InputError& error) {
     std::fprintf(stderr, "explore_loop: %s\n", error.what());

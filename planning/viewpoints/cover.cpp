@@ -25,8 +25,7 @@ struct Round {
   bool all_looks;
 };
 /// Most elements are served by the first round, from the poses that serve many.
-constexpr std::array<Round, 3> kRounds = {
-    {{1, pi / 3, 8, 1, false}, {3, pi / 3, 3, 0.25, false}, {6, pi, 1, 0, true}}};
+constexpr std::array<Round, 3> kRounds = {{{1, pi / 3, 8, 1, false}, {3, pi / 3, 3, 0.25, false}, {6, pi, 1, 0, true}}};
 /// Elements near the floor are measured from close by only: so near may the camera go.
 constexpr double kNearestM = 0.7;
 /// Beside delta_pose, a stand-off this much farther, from which more elements are in view.

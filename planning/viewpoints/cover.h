@@ -35,8 +35,8 @@ struct Effort {
 /// 1/z^2 each, lift it to W_th. One viewpoint after the other is taken that completes most of what is left (a (1 - 1/e)
 /// approximation for any number of them: Nemhauser, Wolsey and Fisher, "An analysis of approximations for maximizing
 /// submodular set functions", 1978). In rounds: first the poses that most elements ask for, and only what is worth a
-/// stop; what is left may ask for more poses, all round, and for `max_looks`. With min_viewpoint_m2 the first round that
-/// finds viewpoints is the last.
+/// stop; what is left may ask for more poses, all round, and for `max_looks`. With min_viewpoint_m2 the first round
+/// that finds viewpoints is the last.
 [[nodiscard]] Cover cover_elements(const Sight& sight, const FreeSpace& free_space, const Pose2& robot,
                                    const ViewpointParams& params);
 

@@ -24,8 +24,9 @@ struct Targets {
   /// Elements that wait until these clusters are done, because their own viewpoints are worth little, or because nobody
   /// looked yet whether they have any (min_viewpoint_m2).
   std::size_t postponed = 0;
-  /// If none wait: elements for which there is no viewpoint, each with the reason: the remaining surface. In the elements' order.
-  /// With preset `thesis` the reason may be that the equations have none though a pose would complete the element.
+  /// If none wait: elements for which there is no viewpoint, each with the reason: the remaining surface. In the
+  /// elements' order. With preset `thesis` the reason may be that the equations have none though a pose would complete
+  /// the element.
   std::vector<Certificate> remaining;
 };
 

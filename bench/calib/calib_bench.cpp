@@ -6,17 +6,13 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
-#include <map>
-#include <opencv2/calib3d.hpp>
-#include <opencv2/imgcodecs.hpp>
-#include <set>
-#include <sstream>
+#include <opencv2/core.hpp>
 
 #include "bench/calib/rows.h"
 #include "bench/harness.h"
+#include "calib/quality.h"
 #include "calib/stereo.h"
-#include "perception/tags/detector.h"
+#include "tests/calib/board_picture.h"
 #include "tests/calib/simulated_views.h"
 
 namespace arpent {
@@ -57,6 +53,40 @@ void measure_simulated(bench::Report& report) {
   report.add("calib.normalised_error_max", squares.maxCoeff(), "1", "bar <= 1.4");
 }
 
+/// Forty pairs of 1280 x 1024 from pictures to the verdict, one thread.
+void measure_time(bench::Report& report) {
+  const calib::RigEstimate rig = calib::simulated_rig(DistortionModel::kRadialTangential);
+  const calib::SimulationOptions options;
+  const sim::CameraModel cameras[] = {sim::CameraModel(rig.cameras[0]), sim::CameraModel(rig.cameras[1])};
+  std::vector<std::array<cv::Mat1b, 2>> pictures;
+  for (const Pose& T_left_board : calib::simulated_boards(options, 1)) {
+    const auto n = pictures.size();
+    pictures.push_back({calib::draw_board({}, cameras[0], T_left_board, 2 * n),
+                        calib::draw_board({}, cameras[1], rig.T_cam_first[1] * T_left_board, 2 * n + 1)});
+  }
+  const calib::BoardDetector detector(calib::Target{});
+  double focal_px = 0;
+  const auto work = [&] {
+    BoardViews views{{}, {{"cam0", 1280, 1024}, {"cam1", 1280, 1024}}, {}};
+    for (const auto& pair : pictures) {
+      views.views.push_back({std::to_string(views.views.size()), {detector.detect(pair[0]), detector.detect(pair[1])}});
+    }
+    const Calibration found = calib::calibrate(views);
+    (void)calib::assess(found);
+    focal_px = found.rig.cameras[0].pinhole.fx_px;
+  };
+  std::vector<double> seconds, reference_ms;
+  for (int i = 0; i < 5; ++i) {
+    seconds.push_back(1e-3 * bench::cpu_ms(work));
+    reference_ms.push_back(bench::time_reference_once());
+  }
+  report.add("calib.seconds_40_views", bench::median(seconds), "s", "40 pairs of 1280 x 1024, one thread");
+  report.add("calib.seconds_40_views_over_ref", bench::median(seconds) / bench::median(reference_ms), "s/ms",
+             "bar <= 1.02");
+  report.add("calib.focal_error_px_pictures", std::abs(focal_px - rig.cameras[0].pinhole.fx_px), "px",
+             "of these pictures");
+}
+
 void body(bench::Report& report) {
   cv::setNumThreads(1);
   if (bench::data_dir().empty()) {
@@ -65,6 +95,7 @@ void body(bench::Report& report) {
     bench::add_chessboard_rows(report, fs::path(bench::data_dir()) / "stereo/chessboard");
     bench::add_apriltag_rows(report, fs::path(bench::data_dir()) / "stereo/apriltag");
   }
+  measure_time(report);
   measure_simulated(report);
 }
 

@@ -10,9 +10,11 @@
 
 #include "bench/calib/rows.h"
 #include "bench/harness.h"
+#include "calib/allan.h"
 #include "calib/quality.h"
 #include "calib/stereo.h"
 #include "tests/calib/board_picture.h"
+#include "tests/calib/imu_noise.h"
 #include "tests/calib/simulated_views.h"
 
 namespace arpent {
@@ -87,6 +89,20 @@ void measure_time(bench::Report& report) {
              "of these pictures");
 }
 
+/// Three hours at 100 Hz, ten seeds.
+void measure_imu(bench::Report& report) {
+  constexpr double kWhite = 2e-3, kBias = 1e-3, kWalk = 1e-5;
+  std::vector<double> white_percent, bias_percent;
+  for (std::uint32_t seed = 0; seed < 10; ++seed) {
+    const auto signal = calib::simulate_noise(kWhite, kBias, kWalk, 100, 3 * 3600 * 100, seed);
+    const auto noise = calib::fit_noise(calib::allan_deviation(signal, 0.01), 3 * 3600);
+    white_percent.push_back(100 * std::abs(noise.white / kWhite - 1));
+    bias_percent.push_back(100 * std::abs(noise.bias_instability / kBias - 1));
+  }
+  report.add("imu.white_noise_error_percent", bench::median(white_percent), "%", "bar <= 5; 3 h, 10 seeds");
+  report.add("imu.bias_instability_error_percent", bench::median(bias_percent), "%", "bar <= 15");
+}
+
 void body(bench::Report& report) {
   cv::setNumThreads(1);
   if (bench::data_dir().empty()) {
@@ -95,6 +111,7 @@ void body(bench::Report& report) {
     bench::add_chessboard_rows(report, fs::path(bench::data_dir()) / "stereo/chessboard");
     bench::add_apriltag_rows(report, fs::path(bench::data_dir()) / "stereo/apriltag");
   }
+  measure_imu(report);
   measure_time(report);
   measure_simulated(report);
 }

@@ -187,7 +187,7 @@ class Loop {
       targets_ms = cpu_ms([&] { last_ = targets_.plan(map_, free_space, pose_); });
       result_.finished = last_.clusters.empty();
       if (result_.finished) return;
-      tour_ = plan_tour(ground, last_.clusters, pose_, {}, kSpeedMps);
+      tour_ = plan_tour(ground, last_.clusters, pose_, {}, {.speed_mps = kSpeedMps});
       low_level_.set_tour(tour_.tour);
       low_level_.set_incomplete(incomplete());
       const LowLevelOutput next = low_level_.step({ground, grid_, pose_});

@@ -104,7 +104,8 @@ CertificateCheck check_certificates(const planning::CertificateFile& file, const
   // A missing piece of surface belongs to an element if it touches the element's voxel or one beside it.
   const double reach_m = 3 * evaluation::e_max_m(file.context.voxel_m);
   const MissingSurface missing(evidence.truth, evidence.reconstruction, reach_m);
-  const auto points = static_cast<double>(evidence.truth.visible.points_m.size() + evidence.truth.hidden_m.size());
+  const auto points =
+      static_cast<double>(evidence.truth.visible.points_m.size() + evidence.truth.hidden.points_m.size());
   check.uncovered_m2 = evidence.truth.area_m2 * static_cast<double>(missing.size()) / std::max(1.0, points);
   for (const CertifiedElement& element : file.elements) {
     CheckedElement checked{element, Finding::kFalse, ""};

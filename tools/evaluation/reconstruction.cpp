@@ -77,12 +77,9 @@ TrueSurface find_true_surface(const sim::World& world, const LegalViews& views, 
   truth.area_m2 = area_m2(truth.mesh);
   const Samples all = sample_surface(truth.mesh, samples_per_m2, kMaxSamples, kTruthSeed);
   for (std::size_t i = 0; i < all.points_m.size(); ++i) {
-    if (views.see(all.points_m[i], all.normals[i])) {
-      truth.visible.points_m.push_back(all.points_m[i]);
-      truth.visible.normals.push_back(all.normals[i]);
-    } else {
-      truth.hidden_m.push_back(all.points_m[i]);
-    }
+    Samples& side = views.see(all.points_m[i], all.normals[i]) ? truth.visible : truth.hidden;
+    side.points_m.push_back(all.points_m[i]);
+    side.normals.push_back(all.normals[i]);
   }
   if (truth.visible.points_m.empty()) throw InputError(world.name + ": no surface can be seen from the start");
   return truth;
@@ -98,7 +95,8 @@ Reconstruction evaluate_reconstruction(const TrueSurface& truth, const TriangleM
   for (std::size_t i = 0; i < result.covered.size(); ++i) {
     if (result.covered[i] != 0 && count++ % kCoreStep == 0) result.core.push_back(i);
   }
-  const double density = static_cast<double>(truth.visible.points_m.size() + truth.hidden_m.size()) / truth.area_m2;
+  const double density =
+      static_cast<double>(truth.visible.points_m.size() + truth.hidden.points_m.size()) / truth.area_m2;
   const Samples found = sample_surface(mesh, density, kMaxSamples, kMeshSeed);
   result.core_error_m = m3c2(truth.visible, result.core, found, {1.5 * voxel_m, 0.75 * voxel_m, result.e_max_m});
   result.errors = summarise(result.core_error_m);

@@ -31,12 +31,12 @@ inline constexpr double kSamplesPerM2 = 1 / (0.03 * 0.03);
 struct TrueSurface {
   TriangleMesh mesh;  ///< of the region, without what is excluded
   Samples visible;
-  std::vector<Eigen::Vector3d> hidden_m;  ///< points that no legal pose sees
-  double area_m2 = 0;                     ///< of both
+  Samples hidden;      ///< that no legal pose sees
+  double area_m2 = 0;  ///< of both
 
   [[nodiscard]] double visible_percent() const {
     const auto seen = static_cast<double>(visible.points_m.size());
-    return 100 * seen / std::max(1.0, seen + static_cast<double>(hidden_m.size()));
+    return 100 * seen / std::max(1.0, seen + static_cast<double>(hidden.points_m.size()));
   }
 };
 /// Throws InputError if nothing of the surface can be seen.

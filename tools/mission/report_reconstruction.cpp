@@ -63,14 +63,17 @@ void add_tile(TriangleMesh& mesh, const Eigen::Vector3d& p, const Eigen::Vector3
 }
 
 TriangleMesh color_by_coverage(const MissionEvaluation& evaluation) {
-  TriangleMesh mesh = evaluation.truth.mesh;
-  mesh.colors_rgb.assign(mesh.vertices_m.size(), kHidden);
-  const evaluation::Samples& visible = evaluation.truth.visible;
-  for (std::size_t i = 0; i < visible.points_m.size(); ++i) {
-    const bool covered = evaluation.reconstruction.covered[i] != 0;
-    // Above the true surface, which shows where nothing can be seen; what is missing above all.
-    const double above_m = covered ? 0.002 : 0.004;
-    add_tile(mesh, visible.points_m[i] + above_m * visible.normals[i], visible.normals[i], covered ? kFound : kMissed);
+  // Tiles just above the surface, what is missing above all.
+  constexpr double kHiddenAboveM = 0.002, kMissedAboveM = 0.004;
+  const evaluation::TrueSurface& truth = evaluation.truth;
+  TriangleMesh mesh = truth.mesh;
+  mesh.colors_rgb.assign(mesh.vertices_m.size(), kFound);
+  const auto add = [&mesh](const evaluation::Samples& samples, std::size_t i, double above_m, const Rgb& color) {
+    add_tile(mesh, samples.points_m[i] + above_m * samples.normals[i], samples.normals[i], color);
+  };
+  for (std::size_t i = 0; i < truth.hidden.points_m.size(); ++i) add(truth.hidden, i, kHiddenAboveM, kHidden);
+  for (std::size_t i = 0; i < truth.visible.points_m.size(); ++i) {
+    if (evaluation.reconstruction.covered[i] == 0) add(truth.visible, i, kMissedAboveM, kMissed);
   }
   return mesh;
 }

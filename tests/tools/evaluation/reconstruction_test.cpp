@@ -140,7 +140,7 @@ TEST(Reconstruction, SurfaceThatNoLegalPoseSeesDoesNotCount) {
     return (p - Vector3d(3, 1, 0.4)).cwiseAbs().maxCoeff() < 0.28 && p.z() > 0.399;
   };
   EXPECT_EQ(count_if(truth.visible.points_m, in_hollow), 0U);
-  EXPECT_GT(count_if(truth.hidden_m, in_hollow), 500U);
+  EXPECT_GT(count_if(truth.hidden.points_m, in_hollow), 500U);
   EXPECT_EQ(count_if(truth.visible.points_m, under_crate), 0U);
   EXPECT_EQ(count_if(truth.visible.points_m, on_crate), 0U) << "its top is at the camera's height";
   EXPECT_GT(count_if(truth.visible.points_m, [](const Vector3d& p) { return p.x() > 2.69 && p.x() < 2.71; }), 50U)

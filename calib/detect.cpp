@@ -13,27 +13,29 @@
 namespace arpent::calib {
 namespace {
 
-/// Sub-pixel corners: where the grey gradients around a saddle point all meet; a second run, for those whose start was
-/// far off. What OpenCV gives up on (it ran out of its window, and stays where it was) or is at the image's edge
-/// becomes NaN.
-void refine(const cv::Mat1b& image, int half_window_px, std::vector<cv::Point2f>& points) {
+/// A half window that takes in no other field than the four that meet: `field_px` is the smallest one's side.
+int window_for(double field_px, int most_px) {
+  constexpr int kLeastPx = 2;
+  return std::clamp(static_cast<int>(0.4 * field_px), kLeastPx, std::max(most_px, kLeastPx));
+}
+
+/// Sub-pixel corners: where the grey gradients around a saddle point all meet. A wide window first, which starts that
+/// are off by a few pixels need, then the one asked for. What is at the image's edge becomes NaN; OpenCV leaves a
+/// corner that runs out of its window where it was.
+void refine(const cv::Mat1b& image, double field_px, int most_px, std::vector<cv::Point2f>& points) {
+  constexpr int kWidestPx = 12;
   if (points.empty()) return;
   const cv::TermCriteria until(cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 40, 1e-3);
-  for (int run = 0; run < 2; ++run) {
-    cv::cornerSubPix(image, points, {half_window_px, half_window_px}, {-1, -1}, until);
+  const int wide_px = window_for(field_px, kWidestPx), fine_px = window_for(field_px, most_px);
+  for (const int window_px : {wide_px, fine_px}) {
+    cv::cornerSubPix(image, points, {window_px, window_px}, {-1, -1}, until);
   }
-  const auto margin = static_cast<float>(half_window_px + 1);
+  const auto margin = static_cast<float>(fine_px + 1);
   const cv::Rect2f inside(margin, margin, static_cast<float>(image.cols) - 2 * margin - 1,
                           static_cast<float>(image.rows) - 2 * margin - 1);
   for (cv::Point2f& point : points) {
     if (!inside.contains(point)) point = {NAN, NAN};
   }
-}
-
-/// A half window that takes in no other field than the four that meet: `field_px` is the smallest one's side.
-int window_for(double field_px, int most_px) {
-  constexpr int kLeastPx = 2;
-  return std::clamp(static_cast<int>(0.4 * field_px), kLeastPx, std::max(most_px, kLeastPx));
 }
 
 /// The smallest field at a tag's corner: the square in the gap, or the tag's border.
@@ -50,7 +52,7 @@ Corners detect_grid(const TagSearch& search, const Target& target, const cv::Mat
     std::vector<cv::Point2f> points;
     for (const auto& px : tag.quad) points.emplace_back(static_cast<float>(px.x()), static_cast<float>(px.y()));
     const std::vector<cv::Point2f> start = points;
-    refine(image, window_for(smallest_field_px(tag.quad, target), most_window_px), points);
+    refine(image, smallest_field_px(tag.quad, target), most_window_px, points);
     for (int k = 0; k < 4; ++k) {
       const cv::Point2f& p = points[static_cast<std::size_t>(k)];
       // One that stayed where it was ran away, and is known to a pixel only.
@@ -98,7 +100,7 @@ Corners detect_chessboard(const Target& target, const cv::Mat1b& image, int half
   if (!cv::findChessboardCorners(image, {target.columns, target.rows}, points, flags)) return {};
   double field_px = 1e9;
   for (std::size_t i = 1; i < points.size(); ++i) field_px = std::min(field_px, cv::norm(points[i] - points[i - 1]));
-  refine(image, window_for(field_px, half_window_px), points);
+  refine(image, field_px, half_window_px, points);
   if (std::any_of(points.begin(), points.end(), [](const auto& p) { return !std::isfinite(p.x); })) return {};
   order_chessboard(image, target.rows, target.columns, points);
   Corners corners;

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <map>
 #include <opencv2/calib3d.hpp>
+#include <opencv2/imgproc.hpp>
 
 #include "calib/tag_code.h"
 
@@ -80,6 +81,21 @@ double side_px(const ImageQuad& quad) {
   double sum = 0;
   for (std::size_t k = 0; k < 4; ++k) sum += (quad[k] - quad[(k + 1) % 4]).norm() / 4;
   return sum;
+}
+
+/// A predicted outline drawn to the corners that are really there: a homography through neighbours misses those of a
+/// bent image by a few pixels.
+ImageQuad snap(const cv::Mat1b& image, const Target& target, const ImageQuad& quad) {
+  std::vector<cv::Point2f> points;
+  for (const auto& p : quad) points.emplace_back(static_cast<float>(p.x()), static_cast<float>(p.y()));
+  const cv::Rect2f inside(0, 0, static_cast<float>(image.cols), static_cast<float>(image.rows));
+  if (!std::all_of(points.begin(), points.end(), [&](const auto& p) { return inside.contains(p); })) return quad;
+  const int window_px = std::clamp(static_cast<int>(0.5 * std::min(target.spacing_ratio, 0.2) * side_px(quad)), 2, 12);
+  const cv::TermCriteria until(cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 20, 0.01);
+  cv::cornerSubPix(image, points, {window_px, window_px}, {-1, -1}, until);
+  ImageQuad snapped;
+  for (std::size_t k = 0; k < 4; ++k) snapped[k] = {points[k].x, points[k].y};
+  return snapped;
 }
 
 /// Tags far from where their neighbours say (the family's other tags in the room, a board's copy).
@@ -196,7 +212,7 @@ std::vector<GridTag> TagSearch::add_missed(const cv::Mat1b& image, std::vector<G
       const auto neighbours = nearest_tags(target_, found, number, kNeighbours);
       const cv::Mat1d H = fit_homography(target_, neighbours);
       if (H.empty()) continue;
-      const ImageQuad quad = predict(target_, H, number);
+      const ImageQuad quad = snap(image, target_, predict(target_, H, number));
       if (!carries_tag(image, number, quad)) continue;
       found.push_back({number, quad});
       grown = true;

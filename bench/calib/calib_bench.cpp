@@ -6,17 +6,15 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
-#include <map>
-#include <opencv2/calib3d.hpp>
-#include <opencv2/imgcodecs.hpp>
-#include <set>
-#include <sstream>
+#include <opencv2/core.hpp>
 
 #include "bench/calib/rows.h"
 #include "bench/harness.h"
+#include "calib/allan.h"
+#include "calib/quality.h"
 #include "calib/stereo.h"
-#include "perception/tags/detector.h"
+#include "tests/calib/board_picture.h"
+#include "tests/calib/imu_noise.h"
 #include "tests/calib/simulated_views.h"
 
 namespace arpent {
@@ -57,6 +55,54 @@ void measure_simulated(bench::Report& report) {
   report.add("calib.normalised_error_max", squares.maxCoeff(), "1", "bar <= 1.4");
 }
 
+/// Forty pairs of 1280 x 1024 from pictures to the verdict, one thread.
+void measure_time(bench::Report& report) {
+  const calib::RigEstimate rig = calib::simulated_rig(DistortionModel::kRadialTangential);
+  const calib::SimulationOptions options;
+  const sim::CameraModel cameras[] = {sim::CameraModel(rig.cameras[0]), sim::CameraModel(rig.cameras[1])};
+  std::vector<std::array<cv::Mat1b, 2>> pictures;
+  for (const Pose& T_left_board : calib::simulated_boards(options, 1)) {
+    const auto n = pictures.size();
+    pictures.push_back({calib::draw_board({}, cameras[0], T_left_board, 2 * n),
+                        calib::draw_board({}, cameras[1], rig.T_cam_first[1] * T_left_board, 2 * n + 1)});
+  }
+  const calib::BoardDetector detector(calib::Target{});
+  double focal_px = 0;
+  const auto work = [&] {
+    BoardViews views{{}, {{"cam0", 1280, 1024}, {"cam1", 1280, 1024}}, {}};
+    for (const auto& pair : pictures) {
+      views.views.push_back({std::to_string(views.views.size()), {detector.detect(pair[0]), detector.detect(pair[1])}});
+    }
+    const Calibration found = calib::calibrate(views);
+    (void)calib::assess(found);
+    focal_px = found.rig.cameras[0].pinhole.fx_px;
+  };
+  std::vector<double> seconds, reference_ms;
+  for (int i = 0; i < 5; ++i) {
+    seconds.push_back(1e-3 * bench::cpu_ms(work));
+    reference_ms.push_back(bench::time_reference_once());
+  }
+  report.add("calib.seconds_40_views", bench::median(seconds), "s", "40 pairs of 1280 x 1024, one thread");
+  report.add("calib.seconds_40_views_over_ref", bench::median(seconds) / bench::median(reference_ms), "s/ms",
+             "bar <= 1.02");
+  report.add("calib.focal_error_px_pictures", std::abs(focal_px - rig.cameras[0].pinhole.fx_px), "px",
+             "of these pictures");
+}
+
+/// Three hours at 100 Hz, ten seeds.
+void measure_imu(bench::Report& report) {
+  constexpr double kWhite = 2e-3, kBias = 1e-3, kWalk = 1e-5;
+  std::vector<double> white_percent, bias_percent;
+  for (std::uint32_t seed = 0; seed < 10; ++seed) {
+    const auto signal = calib::simulate_noise(kWhite, kBias, kWalk, 100, 3 * 3600 * 100, seed);
+    const auto noise = calib::fit_noise(calib::allan_deviation(signal, 0.01), 3 * 3600);
+    white_percent.push_back(100 * std::abs(noise.white / kWhite - 1));
+    bias_percent.push_back(100 * std::abs(noise.bias_instability / kBias - 1));
+  }
+  report.add("imu.white_noise_error_percent", bench::median(white_percent), "%", "bar <= 5; 3 h, 10 seeds");
+  report.add("imu.bias_instability_error_percent", bench::median(bias_percent), "%", "bar <= 15");
+}
+
 void body(bench::Report& report) {
   cv::setNumThreads(1);
   if (bench::data_dir().empty()) {
@@ -65,6 +111,8 @@ void body(bench::Report& report) {
     bench::add_chessboard_rows(report, fs::path(bench::data_dir()) / "stereo/chessboard");
     bench::add_apriltag_rows(report, fs::path(bench::data_dir()) / "stereo/apriltag");
   }
+  measure_imu(report);
+  measure_time(report);
   measure_simulated(report);
 }
 

@@ -37,7 +37,9 @@ Pose T_body_cam() {
   return T;
 }
 
-/// Exact depth of a world.
+/// Exact depth of a world, as far as stereo tells anything.
+constexpr float kFarM = 30.0F;
+
 class DepthCamera {
  public:
   explicit DepthCamera(const sim::World& world) : tracer_(sim::make_surface_mesh(world)) {}
@@ -56,7 +58,7 @@ class DepthCamera {
             packet.direction[k][lane] = static_cast<float>(ray[static_cast<int>(k)]);
           }
         }
-        packet.t.fill(5.0F);
+        packet.t.fill(kFarM);
         packet.facet.fill(-1);
         tracer_.intersect(packet);
         for (int i = 0; i < sim::kLanes; ++i) {
@@ -101,9 +103,9 @@ mapping::TsdfParams map_params(double voxel_m) {
   return params;
 }
 
-class Explorer {
+class Loop {
  public:
-  Explorer(const sim::World& world, const LoopParams& params)
+  Loop(const sim::World& world, const LoopParams& params)
       : params_(params),
         camera_(world),
         map_(map_params(params.voxel_m)),
@@ -269,7 +271,7 @@ class Explorer {
 }  // namespace
 
 LoopResult explore(const sim::World& world, const LoopParams& params) {
-  return Explorer(world, params).run();
+  return Loop(world, params).run();
 }
 
 }  // namespace arpent::bench

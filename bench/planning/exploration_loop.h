@@ -15,7 +15,7 @@ namespace arpent::bench {
 
 struct LoopParams {
   double voxel_m = 0.2;
-  planning::ViewpointParams viewpoints;
+  planning::ViewpointParams viewpoints = {};
   double longest_s = 3600;  ///< of simulated time, then it ends unfinished
   bool progress = false;    ///< one line per plan
 };

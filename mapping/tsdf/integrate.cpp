@@ -45,12 +45,38 @@ Tiles make_tiles(const SurfaceCells& cells) {
   return tiles;
 }
 
+/// Whether a pixel of the cell sees farther than the range of depth.
+bool sees_beyond(const cv::Mat1f& depth_m, int cell_u, int cell_v, float max_range_m) {
+  for (int v = cell_v * kCellPx; v < (cell_v + 1) * kCellPx; ++v) {
+    const float* row = depth_m[v] + cell_u * kCellPx;
+    for (int i = 0; i < kCellPx; ++i) {
+      if (row[i] > max_range_m && std::isfinite(row[i])) return true;
+    }
+  }
+  return false;
+}
+
+/// The cells of the image. Where it sees farther than the range of depth and there is no plane, its pixels are asked.
+SurfaceCells make_cells(const stereo::DepthMap& depth, const TsdfParams& params) {
+  SurfaceCells cells = fit_surface_cells(depth, params.min_range_m, params.max_range_m);
+  const auto max_range_m = static_cast<float>(params.max_range_m);
+  for (int v = 0; v < cells.rows; ++v) {
+    for (int u = 0; u < cells.cols; ++u) {
+      const std::size_t at = cells.at(u, v);
+      if (cells.kinds[at] == CellKind::kPlane || !sees_beyond(depth.depth_m, u, v, max_range_m)) continue;
+      cells.kinds[at] = CellKind::kEdge;
+      cells.most_m[at] = max_range_m;
+    }
+  }
+  return cells;
+}
+
 /// One depth image, ready to be asked.
 class View {
  public:
   View(const stereo::DepthMap& depth, const Pose& T_map_cam, const TsdfMap::Storage& map)
       : depth_(depth),
-        cells_(fit_surface_cells(depth, map.params.min_range_m, map.params.max_range_m)),
+        cells_(make_cells(depth, map.params)),
         tiles_(make_tiles(cells_)),
         T_cam_map_(T_map_cam.inverse()),
         camera_(depth.camera),
@@ -166,7 +192,8 @@ bool View::update(Block& block) const {
         }
       } else if (kind == CellKind::kEdge) {
         const float z = depth_.depth_m(pixel_v, pixel_u);
-        if (!(z >= nearest_m_ && z <= farthest_m_)) continue;
+        // A surface beyond the range of depth is not measured, but up to there nothing is in the way.
+        if (!(z >= nearest_m_ && std::min(z, p.z()) <= farthest_m_) || !std::isfinite(z)) continue;
         distance = z - p.z();
         if (distance < -kEdgeBehindVoxels * voxel_m_) continue;
       } else {

@@ -61,8 +61,9 @@ class TsdfMap {
   TsdfMap(TsdfMap&&) noexcept;
   TsdfMap& operator=(TsdfMap&&) noexcept;
 
-  /// Fuses one depth image seen from `T_map_cam`. Pixels that are not finite or out of range count as missing. False,
-  /// and nothing changes, if the pose is not finite or too far away to index. The same sequence of calls gives the same
+  /// Fuses one depth image seen from `T_map_cam`. Pixels that are not finite or too near count as missing; those
+  /// farther than the range tell that nothing is in the way up to there (in a large hall nothing else does). False, and
+  /// nothing changes, if the pose is not finite or too far away to index. The same sequence of calls gives the same
   /// map, with any number of threads.
   bool integrate(const stereo::DepthMap& depth, const Pose& T_map_cam);
 

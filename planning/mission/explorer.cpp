@@ -187,7 +187,6 @@ struct Explorer::State {
       status.activity = "nothing is left that could be completed";
       return;
     }
-    postpone_small(found.clusters);
     const std::optional<Viewpoint> committed = committed_viewpoint();
     PlannedTour planned = plan_tour(ground, found.clusters, committed ? committed->pose : pose, params.tour,
                                     {params.nominal_speed_mps, params.nominal_turn_rate_radps, params.visit_s});
@@ -214,17 +213,6 @@ struct Explorer::State {
     grid.declare_free(pose.position_m(), footprint.long_m() + params.grid.cell_m);
     ++status.assumed_free;
     return true;
-  }
-
-  /// Viewpoints for a few elements are left for the end: most of them are completed on the way to others.
-  void postpone_small(std::vector<Cluster>& clusters) const {
-    const auto few = [&](const Viewpoint& v) { return static_cast<int>(v.elements.size()) < params.few_elements; };
-    const bool only_few = std::all_of(clusters.begin(), clusters.end(), [&](const Cluster& c) {
-      return std::all_of(c.viewpoints.begin(), c.viewpoints.end(), few);
-    });
-    if (only_few) return;
-    for (Cluster& cluster : clusters) std::erase_if(cluster.viewpoints, few);
-    std::erase_if(clusters, [](const Cluster& c) { return c.viewpoints.empty(); });
   }
 
   /// What the robot is on its way to, if it is still worth the way: a better idea every other second would have it pace

@@ -38,7 +38,6 @@ struct ExplorerParams {
   double nominal_turn_rate_radps = 1.0;
   double visit_s = 2.0;
   int max_stay_images = 16;
-  int few_elements = 6;
   double plan_latency_s = 0.2;
   double replan_s = 2.0;
   double stuck_s = 5.0;
@@ -63,8 +62,6 @@ struct ExplorerParams {
     visitor.field("visit_s", self.visit_s, "for the times of tours: stopping and looking at a viewpoint",
                   config::at_least(0.0));
     visitor.field("max_stay_images", self.max_stay_images, "longest stay at a viewpoint", config::at_least(1));
-    visitor.field("few_elements", self.few_elements,
-                  "viewpoints for fewer elements wait until there is nothing else to do", config::at_least(0));
     visitor.field("plan_latency_s", self.plan_latency_s, "declared time to plan a tour", config::between(0.0, 10.0));
     visitor.field("replan_s", self.replan_s, "a tour is planned anew after so long, while it is driven",
                   config::greater_than(0.0));

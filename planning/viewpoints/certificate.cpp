@@ -58,24 +58,20 @@ Certifier::Certifier(const Sight& sight, const FreeSpace& free_space, const Pose
   const double margin_m = reach_m(sight.camera()) + params.lattice_m;
   const Eigen::Vector2i least = ((box.min().array() - margin_m) / params.lattice_m).floor().cast<int>();
   const Eigen::Vector2i most = ((box.max().array() + margin_m) / params.lattice_m).ceil().cast<int>();
-  std::vector<Pose2> free;
+  std::vector<Pose2> places;
   for (int y = least.y(); y <= most.y(); ++y) {
-    for (int x = least.x(); x <= most.x(); ++x) {
-      for (int h = 0; h < kHeadings; ++h) {
-        const double yaw_rad = wrap_angle(2 * std::numbers::pi * h / kHeadings);
-        const Pose2 pose{x * params.lattice_m, y * params.lattice_m, yaw_rad};
-        if (free_space.is_free(pose)) free.push_back(pose);
-      }
-    }
+    for (int x = least.x(); x <= most.x(); ++x) places.push_back({x * params.lattice_m, y * params.lattice_m, 0});
   }
-  const auto distances_m = free_space.distances_m(robot, free);
-  for (std::size_t i = 0; i < free.size(); ++i) {
+  const auto distances_m = free_space.distances_m(robot, places);
+  for (std::size_t i = 0; i < places.size(); ++i) {
     if (!distances_m[i]) continue;
+    const std::size_t first = poses_.size();
+    for (int h = 0; h < kHeadings; ++h) {
+      const Pose2 pose{places[i].x_m, places[i].y_m, wrap_angle(2 * std::numbers::pi * h / kHeadings)};
+      if (free_space.is_free(pose)) poses_.push_back(pose);
+    }
     const auto cell = [&](double value_m) { return static_cast<int>(std::lround(value_m / params.lattice_m)); };
-    const std::pair key(cell(free[i].x_m), cell(free[i].y_m));
-    const auto [entry, fresh] = poses_of_.try_emplace(key, poses_.size(), poses_.size());
-    poses_.push_back(free[i]);
-    entry->second.second = poses_.size();
+    if (poses_.size() > first) poses_of_[{cell(places[i].x_m), cell(places[i].y_m)}] = {first, poses_.size()};
   }
 }
 

@@ -26,6 +26,9 @@ struct Round {
 };
 /// Most elements are served by the first round, from the poses that serve many.
 constexpr std::array<Round, 3> kRounds = {{{1, pi / 3, 8, 1, false}, {3, pi / 3, 3, 0.25, false}, {6, pi, 1, 0, true}}};
+/// So many times min_viewpoint_m2 are worth a tour of their own; where there is less, smaller viewpoints come along:
+/// one at a time they would be driven to to and fro.
+constexpr double kTourMinima = 10;
 /// Elements near the floor are measured from close by only: so near may the camera go.
 constexpr double kNearestM = 0.7;
 /// Beside delta_pose, a stand-off this much farther, from which more elements are in view.
@@ -207,14 +210,16 @@ Cover cover_elements(const Sight& sight, const FreeSpace& free_space, const Pose
                      const ViewpointParams& params) {
   Cover cover;
   for (std::uint32_t i = 0; i < sight.elements().size(); ++i) cover.left.push_back(i);
+  const double voxel_m2 = sight.voxel_m() * sight.voxel_m();
   for (const Round& round : kRounds) {
     const std::vector<Pose2> poses = Candidates(sight, params).find(cover.left, round, free_space, robot);
     const int looks = round.all_looks ? params.max_looks : params.looks;
-    const double least = round.share_of_minimum * params.min_viewpoint_m2 / (sight.voxel_m() * sight.voxel_m());
+    const double least = round.share_of_minimum * params.min_viewpoint_m2 / voxel_m2;
     const std::size_t least_worth = std::max(round.least_worth, static_cast<std::size_t>(std::ceil(least)));
     extend_cover(cover, sight, poses, {looks, params.unknown_reach_m, least_worth});
     cover.postponed = params.min_viewpoint_m2 > 0 && !cover.viewpoints.empty();
-    if (cover.postponed) break;
+    const auto served = static_cast<double>(sight.elements().size() - cover.left.size());
+    if (cover.postponed && served * voxel_m2 >= kTourMinima * params.min_viewpoint_m2) break;
   }
   return cover;
 }

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The arpent authors
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// `./arpent calibrate WHAT`: boards to print, cameras (docs/calibration.md).
+// `./arpent calibrate WHAT`: boards to print, cameras, inertial units (docs/calibration.md).
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <filesystem>
@@ -13,6 +13,7 @@
 #include "common/config/rig.h"
 #include "common/error.h"
 #include "tools/calibrate/files.h"
+#include "tools/calibrate/imu_log.h"
 #include "tools/calibrate/stereo_report.h"
 #include "tools/progress.h"
 
@@ -98,6 +99,14 @@ int calibrate_cameras(const Flags& flags) {
   return 0;
 }
 
+int measure_imu(const Flags& flags) {
+  const auto result = tools::measure_imu_noise(tools::load_static_imu(flags.log));
+  std::printf("%s", tools::summarize(result).c_str());
+  tools::write_imu_files(result, flags.out);
+  std::printf("%s: imu.yaml, allan.csv, report.html\n", flags.out.c_str());
+  return 0;
+}
+
 void add_target(CLI::App& app, Flags& flags) {
   CLI::App* sub = app.add_subcommand("target", "print a board, true to scale");
   sub->add_option("--target", flags.target, "target.yaml as Kalibr's; tagBorder: 1 or 2 (default)")->required();
@@ -129,6 +138,12 @@ void add_stereo(CLI::App& app, Flags& flags) {
   sub->add_flag("--force", flags.force, "write a calibration that is bad, too");
 }
 
+void add_imu(CLI::App& app, Flags& flags) {
+  CLI::App* sub = app.add_subcommand("imu", "noise of an inertial unit from a log at rest (three hours are good)");
+  sub->add_option("--log", flags.log, "LCM log with IMU")->required();
+  sub->add_option("--out", flags.out, "folder for imu.yaml (Kalibr's), allan.csv, report.html")->required();
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -138,9 +153,11 @@ int main(int argc, char** argv) {
   Flags flags;
   add_target(app, flags);
   add_stereo(app, flags);
+  add_imu(app, flags);
   try {
     app.parse(argc, argv);
-    return app.got_subcommand("target") ? print_target(flags) : calibrate_cameras(flags);
+    if (app.got_subcommand("target")) return print_target(flags);
+    return app.got_subcommand("imu") ? measure_imu(flags) : calibrate_cameras(flags);
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : 2;
   } catch (const InputError& error) {

@@ -11,7 +11,7 @@
 #include "common/error.h"
 #include "tools/evaluation/mesh.h"
 #include "tools/evaluation/trajectory.h"
-#include "tools/mission/evaluate.h"
+#include "tools/mission/report_reconstruction.h"
 
 namespace {
 
@@ -74,7 +74,7 @@ ordered_json mesh_json(const evaluation::MeshErrors& e, double e_max_m) {
 int main(int argc, char** argv) {
   CLI::App app{"Compares trajectories, meshes and missions with the truth."};
   app.name("arpent evaluate");
-  std::string reference, estimate, folder, world, json_file, alignment = "se3";
+  std::string reference, estimate, folder, world, report, json_file, alignment = "se3";
   std::vector<double> segments;
   evaluation::MeshParams params;
   auto* trajectory = app.add_subcommand("trajectory", "TUM, KITTI or EuRoC files");
@@ -102,6 +102,7 @@ int main(int argc, char** argv) {
       ->capture_default_str()
       ->check(CLI::PositiveNumber);
   mesh->add_option("--seed", params.seed, "seed of the sampling")->capture_default_str();
+  mission->add_option("--report", report, "also write a report page about the reconstruction into this folder");
   app.require_subcommand(1);
   try {
     app.parse(argc, argv);
@@ -115,6 +116,7 @@ int main(int argc, char** argv) {
              json_file);
     } else if (*mission) {
       finish_rows(evaluate_folder(folder, world), json_file);
+      if (!report.empty()) tools::write_reconstruction_report(folder, world, report);
     } else {
       finish(mesh_json(evaluation::evaluate_mesh(read_ply(reference), read_ply(estimate), params), params.e_max_m),
              json_file);

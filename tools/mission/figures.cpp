@@ -13,9 +13,6 @@
 namespace arpent::tools {
 namespace {
 
-constexpr double kDrivingMps = 0.2;
-constexpr double kTurningRadps = 0.5;
-
 double distance_m(const Eigen::Vector2d& p, const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
   const Eigen::Vector2d ab = b - a;
   const double t = ab.squaredNorm() > 0 ? std::clamp((p - a).dot(ab) / ab.squaredNorm(), 0.0, 1.0) : 0.0;

@@ -13,6 +13,10 @@
 
 namespace arpent::tools {
 
+/// From these on the base drives or turns (DESIGN section 6).
+inline constexpr double kDrivingMps = 0.2;
+inline constexpr double kTurningRadps = 0.5;
+
 struct MissionFigures {
   double time_s = 0;  ///< from the start to the end, aligning included
   double path_m = 0;  ///< true way

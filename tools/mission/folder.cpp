@@ -68,6 +68,17 @@ void use_figures(const fs::path& file, MissionFolder& folder) {
 
 }  // namespace
 
+MissionSetting setting_of(const MissionSpec& spec, const MissionResult& result) {
+  MissionSetting setting;
+  setting.name = spec.name;
+  setting.world = sim::load_world(spec.world);
+  setting.robot = config::load<RobotConfig>(spec.robot);
+  setting.rig = load_rig(spec.depth.rig).config;
+  setting.replay.mapping = spec.mapping;
+  if (!result.truth.empty()) setting.start = to_pose2(result.truth.front().T_ref_body);
+  return setting;
+}
+
 MissionFolder read_mission_folder(const fs::path& folder, const fs::path& world) {
   MissionFolder mission;
   const fs::path log = folder / "mission.lcmlog";

@@ -26,6 +26,9 @@ struct MissionSetting {
   [[nodiscard]] double voxel_m() const { return replay.mapping.tsdf.voxel_m; }
 };
 
+/// That of a mission that was just run.
+[[nodiscard]] MissionSetting setting_of(const MissionSpec& spec, const MissionResult& result);
+
 struct MissionFolder {
   MissionSetting setting;
   MissionResult result;                               ///< without CPU times and processes, which are in no log

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <opencv2/imgproc.hpp>
+#include <utility>
 
 #include "common/atomic_file.h"
 #include "common/bus/typed.h"
@@ -16,7 +17,7 @@
 #include "common/log/event_log.h"
 #include "common/pose2.h"
 #include "perception/stereo/wire.h"
-#include "tools/mission/figures.h"
+#include "tools/mission/report_reconstruction.h"
 #include "tools/report/html.h"
 #include "tools/report/mesh_view.h"
 #include "tools/report/processes.h"
@@ -47,12 +48,13 @@ report::Curve path_of(const std::string& name, const char* color, const evaluati
   return curve;
 }
 
-void add_paths(report::Page& page, const MissionResult& result) {
+void add_paths(report::Page& page, const sim::World& world, const MissionResult& result) {
   page.section("Paths", "Seen from above, world frame [m].");
-  std::vector<report::Curve> curves;
+  std::vector<report::Curve> curves = outline(world);
+  const char* name = "planned";
   for (const auto& path : result.paths) {
     if (path.points_m.empty()) continue;
-    report::Curve planned{curves.empty() ? "planned" : "", kPlanColor, {}};
+    report::Curve planned{std::exchange(name, ""), kPlanColor, {}};
     for (const Eigen::Vector2d& p : path.points_m) planned.points.emplace_back(p.x(), p.y());
     curves.push_back(std::move(planned));
   }
@@ -103,7 +105,8 @@ report::ViewPath driven(const MissionResult& result) {
   return path;
 }
 
-nlohmann::json to_json(const MissionSpec& spec, const MissionResult& result, const MissionFigures& f) {
+nlohmann::json to_json(const MissionSpec& spec, const MissionResult& result, const MissionFigures& f,
+                       const std::optional<MissionEvaluation>& evaluation) {
   nlohmann::json rows = nlohmann::json::array();
   const auto add = [&](const char* name, double value, const char* unit) {
     rows.push_back({{"name", spec.name + "." + name}, {"value", value}, {"unit", unit}});
@@ -117,22 +120,29 @@ nlohmann::json to_json(const MissionSpec& spec, const MissionResult& result, con
   add("off_path_m", f.off_path_m, "m");
   add("collisions", f.collisions, "1");
   add("realtime_factor", f.realtime_factor, "1");
+  if (evaluation) append_figures(rows, spec.name, *evaluation);
   return rows;
 }
 
 void write_plain(const std::filesystem::path& folder, const MissionSpec& spec, const MissionResult& result,
-                 const MissionFigures& figures) {
+                 const MissionFigures& figures, const std::optional<MissionEvaluation>& evaluation) {
   evaluation::write_tum(folder / "truth.tum", result.truth);
   evaluation::write_tum(folder / "estimate.tum", result.estimate);
   if (!result.mesh.triangles.empty()) write_ply(folder / "mesh.ply", result.mesh);
-  atomic_write(folder / "mission.json", to_json(spec, result, figures).dump(1) + "\n");
+  atomic_write(folder / "mission.json", to_json(spec, result, figures, evaluation).dump(1) + "\n");
 }
 
 }  // namespace
 
 void write_mission_report(const std::filesystem::path& folder, const MissionSpec& spec, const MissionResult& result,
                           const MissionFigures& figures) {
-  write_plain(folder, spec, result, figures);
+  // Of a test drive the mesh is no more than a by-product.
+  const MissionSetting setting = setting_of(spec, result);
+  std::optional<MissionEvaluation> evaluation;
+  if (spec.mission.kind == "explore" && !result.truth.empty()) {
+    evaluation = evaluate_mission(setting, result, legal_views(setting));
+  }
+  write_plain(folder, spec, result, figures, evaluation);
   report::Page page("Mission " + spec.name, fmt::format("{} in {}, seed {}", spec.robot.stem().string(),
                                                         spec.world.stem().string(), spec.seed));
   const auto& last = result.reports.empty() ? planning::MissionReport{} : result.reports.back();
@@ -147,9 +157,10 @@ void write_mission_report(const std::filesystem::path& folder, const MissionSpec
        {"collisions", std::to_string(figures.collisions), ""},
        {"speed", figures.realtime_factor > 0 ? fmt::format("{:.2f} x", figures.realtime_factor) : "live",
         "simulated time over CPU time, one core"}});
-  add_paths(page, result);
+  if (evaluation) add_reconstruction(page, setting, result, *evaluation);
+  add_paths(page, setting.world, result);
   add_errors(page, figures);
-  if (!result.mesh.triangles.empty()) {
+  if (!evaluation && !result.mesh.triangles.empty()) {
     page.section("The map", "The mesh from above.");
     page.pictures(
         {{report::draw_birds_eye(result.mesh, {driven(result)}, {1000, 700}), "the mesh, the way driven in red"}});

@@ -25,6 +25,7 @@ h2{font-size:1.25rem;margin:2.6rem 0 .6rem;padding-top:1.2rem;border-top:1px sol
 .figure span{color:var(--soft);font-size:.85rem}.figure i{display:block;color:var(--soft);font-size:.78rem;font-style:normal}
 .pictures{display:flex;flex-wrap:wrap;gap:1rem}.pictures figure{flex:1 1 300px;margin:0;background:var(--card);border:1px solid var(--line);border-radius:10px;overflow:hidden}
 .pictures img{display:block;width:100%;height:auto}.pictures figcaption{padding:.5rem .8rem;color:var(--soft);font-size:.85rem}
+.film{width:100%;background-repeat:no-repeat;animation:film linear infinite}@keyframes film{from{background-position:0 0}85%,to{background-position:100% 0}}
 svg{width:100%;height:auto;background:var(--card);border:1px solid var(--line);border-radius:10px}svg text{fill:var(--soft);font-size:12px}
 table{border-collapse:collapse;width:100%;font-size:.92rem;font-variant-numeric:tabular-nums}th,td{text-align:left;padding:.35rem .7rem;border-bottom:1px solid var(--line)}
 th{color:var(--soft);font-weight:600}td+td,th+th{text-align:right}.legend{display:flex;gap:1.2rem;margin:.4rem 0;font-size:.85rem;color:var(--soft)}.legend i{display:inline-block;width:1.4em;height:3px;vertical-align:middle;margin-right:.4em}
@@ -40,6 +41,12 @@ std::string base64(const std::vector<std::uint8_t>& bytes) {
     for (std::size_t k = 0; k < 4; ++k) text += i + k <= bytes.size() ? kDigits[word >> (18 - 6 * k) & 63] : '=';
   }
   return text;
+}
+
+std::string png_url(const cv::Mat& picture) {
+  std::vector<std::uint8_t> png;
+  cv::imencode(".png", picture, png, {cv::IMWRITE_PNG_COMPRESSION, 7});
+  return "data:image/png;base64," + base64(png);
 }
 
 /// A step of 1, 2 or 5 times a power of ten that divides `range` into about `parts`.
@@ -165,21 +172,32 @@ void Page::figures(const std::vector<Figure>& figures) {
 void Page::pictures(const std::vector<std::pair<cv::Mat, std::string>>& pictures) {
   body_ += "<div class='pictures'>";
   for (const auto& [picture, caption] : pictures) {
-    std::vector<std::uint8_t> png;
-    cv::imencode(".png", picture, png, {cv::IMWRITE_PNG_COMPRESSION, 7});
-    body_ +=
-        fmt::format("<figure><img alt=\"{0}\" src='data:image/png;base64,{1}'><figcaption>{0}</figcaption></figure>",
-                    escape(caption), base64(png));
+    body_ += fmt::format("<figure><img alt=\"{0}\" src='{1}'><figcaption>{0}</figcaption></figure>", escape(caption),
+                         png_url(picture));
   }
   body_ += "</div>\n";
+}
+
+void Page::film(const std::vector<cv::Mat>& frames, double seconds, const std::string& caption) {
+  if (frames.empty()) return;
+  cv::Mat strip;
+  cv::hconcat(frames, strip);
+  body_ += fmt::format(
+      "<div class='pictures'><figure><div class='film' role='img' aria-label=\"{0}\" style=\"aspect-ratio:{1}/{2};"
+      "background-image:url('{3}');background-size:{4}% 100%;animation-duration:{5}s;"
+      "animation-timing-function:steps({6},jump-none)\"></div><figcaption>{0}</figcaption></figure></div>\n",
+      escape(caption), frames.front().cols, frames.front().rows, png_url(strip), 100 * frames.size(), seconds,
+      std::max<std::size_t>(2, frames.size()));
 }
 
 void Page::plot(const std::vector<Curve>& curves, const std::string& x_label, const std::string& y_label,
                 bool equal_axes) {
   const Axes axes = fit_axes(curves, equal_axes);
   body_ += "<div class='legend'>";
-  for (const Curve& curve : curves)
+  for (const Curve& curve : curves) {
+    if (curve.name.empty()) continue;
     body_ += fmt::format("<span><i style='background:{}'></i>{}</span>", curve.color, escape(curve.name));
+  }
   body_ += fmt::format("</div><svg viewBox='0 0 {:.0f} {:.0f}' role='img'>", axes.width, axes.height);
   body_ += draw_grid(axes, x_label, y_label);
   for (const Curve& curve : curves) {

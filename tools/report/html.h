@@ -32,7 +32,9 @@ class Page {
   void figures(const std::vector<Figure>& figures);
   /// Pictures side by side (BGR or grey), each with its caption.
   void pictures(const std::vector<std::pair<cv::Mat, std::string>>& pictures);
-  /// `equal_axes`: a map; otherwise a plot over x.
+  /// Frames of equal size, one after the other in an endless loop of `seconds`, the last one held for a while.
+  void film(const std::vector<cv::Mat>& frames, double seconds, const std::string& caption);
+  /// Curves without a name have no legend. `equal_axes`: a map; otherwise a plot over x.
   void plot(const std::vector<Curve>& curves, const std::string& x_label, const std::string& y_label, bool equal_axes);
   void table(const std::vector<std::string>& head, const std::vector<std::vector<std::string>>& rows);
   void list(const std::vector<std::string>& items);

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <numbers>
 #include <opencv2/imgproc.hpp>
+#include <optional>
+#include <tuple>
 
 namespace arpent::report {
 namespace {
@@ -90,6 +92,13 @@ std::pair<float, float> extent(const TriangleMesh& mesh, int axis) {
   return {low, values[values.size() - 1 - cut]};
 }
 
+/// What the mesh says that the triangle looks like.
+std::optional<cv::Vec3b> own_color(const TriangleMesh& mesh, int triangle) {
+  if (mesh.colors_rgb.empty()) return std::nullopt;
+  const auto& rgb = mesh.colors_rgb[mesh.triangles[static_cast<std::size_t>(triangle)][0]];
+  return cv::Vec3b(rgb[2], rgb[1], rgb[0]);
+}
+
 cv::Mat3b shade(const TriangleMesh& mesh, const Raster& raster, const Pose& T_map_cam) {
   cv::Mat3b picture(raster.depth_m.size(), kPaper);
   if (mesh.vertices_m.empty()) return picture;
@@ -106,7 +115,7 @@ cv::Mat3b shade(const TriangleMesh& mesh, const Raster& raster, const Pose& T_ma
       const float z = mesh.vertices_m[mesh.triangles[static_cast<std::size_t>(index)][0]].z();
       const float share = std::clamp((z - low) / std::max(0.1F, high - low), 0.0F, 1.0F);
       const float brightness = 0.45F + 0.35F * std::abs(n.dot(light)) + 0.2F * std::abs(n.dot(view));
-      const cv::Vec3b& color = colors[static_cast<std::size_t>(share * 63)];
+      const cv::Vec3b color = own_color(mesh, index).value_or(colors[static_cast<std::size_t>(share * 63)]);
       for (int k = 0; k < 3; ++k)
         picture(v, u)[k] = static_cast<std::uint8_t>(std::min(255.0F, brightness * static_cast<float>(color[k])));
     }
@@ -125,39 +134,59 @@ void draw_path(cv::Mat3b& picture, const ViewPath& path, const PinholeCamera& ca
   cv::polylines(picture, line, false, path.color_bgr, 2, cv::LINE_AA, 2);
 }
 
+struct View {
+  PinholeCamera camera;
+  Pose T_map_cam = Pose::Identity();
+};
+
+/// From above at a slant, so that the box fills the picture.
+View birds_eye(const Eigen::AlignedBox3f& box, cv::Size size) {
+  const Eigen::Vector3d extent = box.sizes().cast<double>();
+  // The longer side of the map lies along the picture; the camera looks down at 55 degrees from far away, nearly
+  // without perspective.
+  const double yaw = extent.x() >= extent.y() ? std::numbers::pi / 2 : 0.0;
+  const double pitch = 55.0 * std::numbers::pi / 180.0;
+  const Eigen::Vector3d forward(std::cos(yaw) * std::cos(pitch), std::sin(yaw) * std::cos(pitch), -std::sin(pitch));
+  const Eigen::Vector3d right(std::sin(yaw), -std::cos(yaw), 0);
+  View view;
+  view.T_map_cam.linear() << right, forward.cross(right), forward;
+  view.T_map_cam.translation() = box.center().cast<double>() - 3 * extent.norm() * forward;
+  double widest = 1e-9;
+  for (int corner = 0; corner < 8; ++corner) {
+    const Eigen::Vector3f p_map = box.corner(static_cast<Eigen::AlignedBox3f::CornerType>(corner));
+    const Eigen::Vector3d p = view.T_map_cam.inverse() * Eigen::Vector3d(p_map.cast<double>());
+    widest = std::max(
+        {widest, std::abs(p.x() / p.z()) / (0.47 * size.width), std::abs(p.y() / p.z()) / (0.47 * size.height)});
+  }
+  view.camera = {size.width, size.height, 1 / widest, 1 / widest, 0.5 * size.width, 0.5 * size.height};
+  return view;
+}
+
+cv::Mat3b draw(const TriangleMesh& mesh, const std::vector<ViewPath>& paths, const View& view) {
+  cv::Mat3b picture = shade(mesh, rasterise(mesh, view.camera, view.T_map_cam), view.T_map_cam);
+  for (const ViewPath& path : paths) draw_path(picture, path, view.camera, view.T_map_cam.inverse());
+  return picture;
+}
+
 }  // namespace
 
 cv::Mat3b draw_birds_eye(const TriangleMesh& mesh, const std::vector<ViewPath>& paths, cv::Size size) {
   if (mesh.vertices_m.size() < 3) return cv::Mat3b(size, kPaper);
-  const auto [x0, x1] = extent(mesh, 0);
-  const auto [y0, y1] = extent(mesh, 1);
-  const auto [z0, z1] = extent(mesh, 2);
-  const Eigen::Vector3d centre(0.5 * (x0 + x1), 0.5 * (y0 + y1), 0.5 * (z0 + z1));
-  // The longer side of the map lies along the picture; the camera looks down at 55 degrees from far away, nearly
-  // without perspective.
-  const double yaw = x1 - x0 >= y1 - y0 ? std::numbers::pi / 2 : 0.0;
-  const double pitch = 55.0 * std::numbers::pi / 180.0;
-  const Eigen::Vector3d forward(std::cos(yaw) * std::cos(pitch), std::sin(yaw) * std::cos(pitch), -std::sin(pitch));
-  const Eigen::Vector3d right(std::sin(yaw), -std::cos(yaw), 0);
-  Pose T_map_cam = Pose::Identity();
-  T_map_cam.linear() << right, forward.cross(right), forward;
-  const double reach = 0.5 * Eigen::Vector3d(x1 - x0, y1 - y0, z1 - z0).norm();
-  T_map_cam.translation() = centre - 6 * reach * forward;
-  PinholeCamera camera{size.width, size.height, 1, 1, 0.5 * size.width, 0.5 * size.height};
-  double widest = 1e-9;
-  for (const float x : {x0, x1}) {
-    for (const float y : {y0, y1}) {
-      for (const float z : {z0, z1}) {
-        const Eigen::Vector3d p = T_map_cam.inverse() * Eigen::Vector3d(x, y, z);
-        widest = std::max(
-            {widest, std::abs(p.x() / p.z()) / (0.47 * size.width), std::abs(p.y() / p.z()) / (0.47 * size.height)});
-      }
-    }
-  }
-  camera.fx_px = camera.fy_px = 1.0 / widest;
-  cv::Mat3b picture = shade(mesh, rasterise(mesh, camera, T_map_cam), T_map_cam);
-  for (const ViewPath& path : paths) draw_path(picture, path, camera, T_map_cam.inverse());
-  return picture;
+  Eigen::AlignedBox3f box;
+  for (int axis = 0; axis < 3; ++axis) std::tie(box.min()[axis], box.max()[axis]) = extent(mesh, axis);
+  return draw(mesh, paths, birds_eye(box, size));
+}
+
+cv::Mat3b draw_open(const TriangleMesh& mesh, const std::vector<ViewPath>& paths, const Eigen::AlignedBox3f& box_m,
+                    cv::Size size) {
+  const View view = birds_eye(box_m, size);
+  const Eigen::Vector3f eye = view.T_map_cam.translation().cast<float>();
+  TriangleMesh facing = mesh;
+  std::erase_if(facing.triangles, [&](const std::array<std::uint32_t, 3>& t) {
+    const Eigen::Vector3f &a = mesh.vertices_m[t[0]], &b = mesh.vertices_m[t[1]], &c = mesh.vertices_m[t[2]];
+    return (b - a).cross(c - a).dot(eye - a) <= 0;
+  });
+  return draw(facing, paths, view);
 }
 
 cv::Mat3b draw_from_camera(const TriangleMesh& mesh, const PinholeCamera& camera, const Pose& T_map_cam) {

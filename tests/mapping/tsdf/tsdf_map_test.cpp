@@ -128,6 +128,23 @@ TEST(TsdfMap, KnownVoxelsAreCountedAsTheyCome) {
   EXPECT_GT(known, 100U);
 }
 
+TEST(TsdfMap, WhatIsBeyondTheRangeIsNoSurfaceButUpToThereNothingIsInTheWay) {
+  TsdfMap map(params());
+  // 1 / 4.5^2 = 0.049: seven looks make 0.35 of the 0.3 that are needed.
+  for (int i = 0; i < 7; ++i) ASSERT_TRUE(map.integrate(see_wall(8.0), Pose::Identity()));
+  for (const double z : {0.55, 2.05, 4.45}) {
+    const VoxelIndex index = map.index_of({0.05, 0.05, z});
+    EXPECT_TRUE(map.is_known(index)) << z;
+    EXPECT_GT(map.voxel(index)->distance_m, 0.25) << "truncated at three voxels";
+  }
+  for (const double z : {5.15, 7.95, 8.05}) EXPECT_FALSE(map.voxel(map.index_of({0.05, 0.05, z}))) << z;
+  // A wall a little beyond: empty space ends with the range, and near the wall says how near.
+  TsdfMap near(params());
+  for (int i = 0; i < 9; ++i) ASSERT_TRUE(near.integrate(see_wall(5.1), Pose::Identity()));
+  EXPECT_NEAR(near.voxel(near.index_of({0.05, 0.05, 4.95}))->distance_m, 0.15, 1e-3);
+  EXPECT_FALSE(near.voxel(near.index_of({0.05, 0.05, 5.05})));
+}
+
 TEST(TsdfMap, WhatCannotBeUsedChangesNothing) {
   TsdfMap map(params());
   const float nan = std::numeric_limits<float>::quiet_NaN();

@@ -25,6 +25,7 @@ struct DepthProcess::State {
   Config config;
   Bus& bus;
   stereo::Rectifier rectifier;
+  stereo::FrozenWatch watch;
   std::unique_ptr<stereo::StereoMatcher> matcher;
   std::optional<Time> last;
 
@@ -76,7 +77,8 @@ DepthProcess::~DepthProcess() = default;
 void DepthProcess::on_pair(const stereo_images_t& message) {
   if (!state_->due(from_utime(message.utime))) return;
   const auto pair = stereo::from_wire(message);
-  const std::string fault = pair ? stereo::find_fault(*pair, state_->rectifier.stereo().camera) : pair.fault();
+  std::string fault = pair ? stereo::find_fault(*pair, state_->rectifier.stereo().camera) : pair.fault();
+  if (const std::string frozen = state_->watch.find_fault(message); fault.empty()) fault = frozen;
   if (!fault.empty()) {
     state_->bus.health().count(channels::kStereoImages, "invalid");
     state_->bus.health().warn("pair not used: " + fault);

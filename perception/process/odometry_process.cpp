@@ -22,6 +22,7 @@ constexpr double kMaxDisparityOffsetPx = 0.3;
 struct OdometryProcess::State {
   Bus& bus;
   stereo::Rectifier rectifier;
+  stereo::FrozenWatch watch;
   Pose T_body_cam;
   odometry::StereoOdometry odometry;
   std::optional<odometry::BodyOdometry> last;
@@ -71,7 +72,8 @@ OdometryProcess::~OdometryProcess() = default;
 
 void OdometryProcess::on_pair(const stereo_images_t& message) {
   const auto pair = stereo::from_wire(message);
-  const std::string fault = pair ? stereo::find_fault(*pair, state_->rectifier.stereo().camera) : pair.fault();
+  std::string fault = pair ? stereo::find_fault(*pair, state_->rectifier.stereo().camera) : pair.fault();
+  if (const std::string frozen = state_->watch.find_fault(message); fault.empty()) fault = frozen;
   if (!fault.empty()) {
     state_->bus.health().count(channels::kStereoImages, "invalid");
     state_->bus.health().warn("pair not used: " + fault);

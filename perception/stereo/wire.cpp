@@ -3,6 +3,7 @@
 #include "perception/stereo/wire.h"
 
 #include <cmath>
+#include <utility>
 
 #include "common/image_codec.h"
 
@@ -75,6 +76,14 @@ std::string find_fault(const StereoPair& pair, const PinholeCamera& camera) {
     if (is_constant(*image, 255)) return std::string("the ") + name + " image is saturated";
   }
   if (cv::norm(pair.left, pair.right, cv::NORM_INF) == 0) return "left and right are the same image";
+  return "";
+}
+
+std::string FrozenWatch::find_fault(const stereo_images_t& message) {
+  const bool left = std::exchange(left_, message.left.crc32c) == message.left.crc32c;
+  const bool right = std::exchange(right_, message.right.crc32c) == message.right.crc32c;
+  if (left && right) return "both images are those of the last pair: the cameras are frozen";
+  if (left || right) return std::string("the ") + (left ? "left" : "right") + " image is that of the last pair: frozen";
   return "";
 }
 

@@ -10,6 +10,8 @@
 #include <arpent/stereo_images_t.hpp>
 #include <cstdint>
 #include <opencv2/core.hpp>
+#include <optional>
+#include <string>
 
 #include "common/camera.h"
 #include "common/result.h"
@@ -32,6 +34,17 @@ struct StereoPair {
 
 /// Why a pair cannot be used: not of the camera's size, all black, saturated, or twice the same image. Empty if it can.
 [[nodiscard]] std::string find_fault(const StereoPair& pair, const PinholeCamera& camera);
+
+/// Finds cameras that repeat their last image under a new time: noise makes no two images alike.
+class FrozenWatch {
+ public:
+  /// Why this pair cannot be used after the one that was asked about before; empty if it can.
+  [[nodiscard]] std::string find_fault(const stereo_images_t& message);
+
+ private:
+  /// Checksums of the last pair.
+  std::optional<std::int32_t> left_, right_;
+};
 
 enum class DisparityKind : std::int8_t { kTrusted = 0, kFilled = 1 };
 [[nodiscard]] disparity_t to_wire(Time stamp, std::int64_t sequence, DisparityKind kind, const RectifiedStereo& stereo,

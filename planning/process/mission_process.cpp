@@ -15,6 +15,7 @@
 #include "perception/stereo/rectifier.h"
 #include "perception/stereo/wire.h"
 #include "planning/mission/lifecycle.h"
+#include "planning/mission/path_progress.h"
 #include "planning/mission/task.h"
 #include "planning/viewpoints/level_camera.h"
 #include "planning/wire.h"
@@ -52,6 +53,8 @@ struct MissionProcess::State {
   std::optional<planning::BaseState> base;
   std::optional<planning::DriveReport> drive;
   std::int64_t path_sequence = 0;
+  double left_m = 0;  ///< of the last path, as far as it is known; a stop leaves it
+  bool arming = false;
   bool blocked = false;
   std::int64_t cycle = 0;
   MissionState reported = MissionState::kAborted;
@@ -127,8 +130,10 @@ struct MissionProcess::State {
     switch (order.command) {
       case planning::MissionCommand::kStart:
         started = clock.now();
+        arming = true;
         break;
       case planning::MissionCommand::kResume:
+        arming = true;  // a released emergency stop leaves the base disarmed
         if (life.state() == MissionState::kRunning) task->resume(to_pose2(pose->T_frame_body), drive_state());
         break;
       case planning::MissionCommand::kPause:
@@ -174,6 +179,7 @@ struct MissionProcess::State {
       (void)life.command(planning::MissionCommand::kPause, "the emergency stop");
       stop();
     }
+    arm();
     if (life.state() == MissionState::kAligning) align();
     step_task();
     if (life.state() != reported || cycle % kCyclesPerReport == 0) report();
@@ -183,8 +189,17 @@ struct MissionProcess::State {
     return (p.frame == fusion::Frame::kWorld) == (config.map_frame == "world");
   }
 
+  /// Before the drive and after a pause; a base that disarms itself on the way stays so.
+  void arm() {
+    if (life.state() != MissionState::kAligning && life.state() != MissionState::kRunning) return;
+    if (base == planning::BaseState::kArmed) arming = false;
+    if ((arming || life.state() == MissionState::kAligning) && base == planning::BaseState::kDisarmed &&
+        cycle % kCyclesPerRequest == 0) {
+      ask(base_request_t::ACTION_ARM);
+    }
+  }
+
   void align() {
-    if (base == planning::BaseState::kDisarmed && cycle % kCyclesPerRequest == 0) ask(base_request_t::ACTION_ARM);
     const bool knows_where = pose && pose->status == fusion::Status::kOk && is_in_map_frame(*pose);
     if (base != planning::BaseState::kArmed || !knows_where) return;
     life.aligned();
@@ -194,7 +209,7 @@ struct MissionProcess::State {
   /// Of the path that was ordered last.
   [[nodiscard]] planning::DriveState drive_state() const {
     const bool ours = drive && drive->path_sequence == path_sequence;
-    return {ours && drive->arrived, ours ? drive->remaining_m : 0};
+    return {ours && drive->arrived, ours ? drive->remaining_m : left_m};
   }
 
   void step_task() {
@@ -208,6 +223,7 @@ struct MissionProcess::State {
   }
 
   void order(const planning::PathRequest& request) {
+    left_m = request.points_m.empty() ? drive_state().remaining_m : planning::length_m(request.points_m);
     publish(bus, channels::kPath,
             planning::to_wire(planning::PathOrder{pose ? pose->stamp : clock.now(), ++path_sequence, config.map_frame,
                                                   request.points_m, request.goal_heading_rad, 0}));

@@ -119,7 +119,7 @@ struct SimProcess::State {
     chassis.set_blocked(robot.in_contact());
     chassis.step(now, kCycleS);
     const Twist2 pushed = chassis.twist();
-    for (int i = 0; i < kSubsteps; ++i) robot.step(pushed, kCycleS / kSubsteps);
+    drive(pushed);
     publish(bus, channels::kImu, sim::to_wire(now, cycle, imu.read(robot.twist(), kCycleS)));
     publish(bus, channels::kTruthPose, sim::to_wire(now, robot.pose()));
     if (cycle++ % cycles_per_pair != 0) return;
@@ -129,6 +129,14 @@ struct SimProcess::State {
       take_depth(now);
     }
     ++pair;
+  }
+
+  void drive(const Twist2& pushed) {
+    const int before = robot.collisions();
+    for (int i = 0; i < kSubsteps; ++i) robot.step(pushed, kCycleS / kSubsteps);
+    if (robot.collisions() == before) return;
+    bus.health().count("WORLD", "collision", robot.collisions() - before);
+    bus.health().warn("the robot touches something");
   }
 
   /// Readout and transfer take a cycle.

@@ -83,10 +83,18 @@ std::vector<Member> members_of(const MissionSpec& spec) {
   return members;
 }
 
+/// A process that is given up ends the mission: nobody else does its work.
+void watch(Launcher& launcher, const fs::path& launch_log) {
+  launcher.poll(10);
+  for (const Launcher::Child& child : launcher.children()) {
+    if (child.gave_up) throw InputError(child.spec.name + " ends again and again; see " + launch_log.string());
+  }
+}
+
 void wait_until_all_speak(Ear& ear, Launcher& launcher, std::size_t count, const fs::path& launch_log) {
   const auto limit = Steady::now() + 30s;
   while (ear.figures().size() < count && Steady::now() < limit && !interrupted()) {
-    launcher.poll(10);
+    watch(launcher, launch_log);
     ear.listen(100ms);
   }
   if (ear.figures().size() < count) throw InputError("not all processes came up; see " + launch_log.string());
@@ -128,7 +136,8 @@ MissionResult run_live_mission(const MissionSpec& given, const MissionOptions& o
   std::error_code ignored;
   fs::remove(raw, ignored);
   fs::remove(spec.mapping.mesh_file, ignored);
-  Launcher launcher(options.out / "launch.log");
+  const fs::path launch_log = options.out / "launch.log";
+  Launcher launcher(launch_log);
   Ear ear(url);
   launcher.start({"logger", {"lcm-logger", "--lcm-url=" + url, "-f", raw.string()}, false});
   const std::vector<Member> members = members_of(spec);
@@ -139,10 +148,10 @@ MissionResult run_live_mission(const MissionSpec& given, const MissionOptions& o
                     {(options.bin_folder / member.name).string(), "--config", file.string(), "--lcm-url", url},
                     true});
   }
-  wait_until_all_speak(ear, launcher, members.size(), options.out / "launch.log");
+  wait_until_all_speak(ear, launcher, members.size(), launch_log);
   ear.send_start();
   while (!ear.ended() && !interrupted()) {
-    launcher.poll(10);
+    watch(launcher, launch_log);
     ear.listen(200ms);
     if (ear.report() && options.progress) {
       show_progress(ear.report()->activity, static_cast<std::size_t>(ear.report()->progress * kProgressSteps),

@@ -48,7 +48,11 @@ MissionSpec load_mission(const std::filesystem::path& file, const MissionOverrid
   if (!overrides.sensing.empty()) spec.sensing = overrides.sensing;
   config::check(spec, file.string());
 
-  const auto robot = config::load<RobotConfig>(spec.robot);
+  // Live, the processes' configurations lie in another folder.
+  spec.world = std::filesystem::absolute(spec.world);
+  spec.robot = std::filesystem::absolute(spec.robot);
+  auto robot = config::load<RobotConfig>(spec.robot);
+  robot.rig = std::filesystem::absolute(robot.rig);
   const sim::World world = sim::load_world(spec.world);
   spec.sim.world = spec.world;
   spec.sim.robot = spec.base.robot = spec.tracker.robot = spec.robot;

@@ -100,7 +100,8 @@ DrivePiece piece_of(const Recovery& recovery, const Pose2& pose) {
   if (recovery.turn) return pieces_of({pose, end_of(*recovery.turn), {*recovery.turn}, {}}).front();
   DrivePiece piece{{pose.position_m()}, recovery.backwards.back().yaw_rad, true};
   for (const Pose2& at : recovery.backwards) {
-    if ((at.position_m() - piece.points_m.back()).norm() >= kPathSpacingM - 1e-6) piece.points_m.push_back(at.position_m());
+    if ((at.position_m() - piece.points_m.back()).norm() >= kPathSpacingM - 1e-6)
+      piece.points_m.push_back(at.position_m());
   }
   if (piece.points_m.size() == 1) {
     // Only turns: as they came, but forwards.

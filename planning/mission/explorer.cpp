@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <deque>
+#include <numbers>
 #include <unordered_set>
 
 #include "common/config/config.h"
@@ -19,6 +20,8 @@ constexpr double kTrailM = 3.0;
 constexpr double kBackOffM = 0.4;
 /// A recovery that did not help here is not tried a third time.
 constexpr int kRecoveriesPerPlace = 2;
+/// Turning about in less than half turns, so that the tracker knows which way round.
+constexpr int kLookAroundTurns = 3;
 
 FootprintParams grown(FootprintParams footprint, double margin_m) {
   footprint.semi_axis_long_m += margin_m;
@@ -71,11 +74,11 @@ struct Explorer::State {
   LowLevelPlanner low_level;
   Trail trail{kTrailM};
   ExplorerStatus status;
-  std::vector<Certificate> remaining;
   VoxelSet ever;
   std::vector<Eigen::Vector2d> assumed_free_m;
   std::vector<Pose2> recovered_at;
-  bool recovering = false;
+  bool recovering = false;  ///< on pieces of a recovery, not of a leg
+  bool looked_around = false;
 
   /// A tour that is thought out but not yet in force.
   struct Pending {
@@ -146,6 +149,7 @@ struct Explorer::State {
       return {};
     }
     if (recovering && !arrived && now - moved_at < from_seconds(params.stuck_s)) return {};
+    if (recovering && arrived && !pieces.empty()) return next_piece();
     recovering = false;
     const Ground ground(grid, footprint, params.costs);
     const LowLevelOutput output = low_level.step({ground, grid, pose});
@@ -191,10 +195,13 @@ struct Explorer::State {
 
   void plan(Time now, const Ground& ground, const Pose2& pose, ReplanReason reason) {
     Targets found = find_targets(ground, pose);
-    remaining = std::move(found.remaining);
     status.clusters = static_cast<int>(found.clusters.size());
     status.activity = std::string("planning: ") + to_text(reason);
     ++status.tours;
+    if (!looked_around && largest_m2(found) < params.viewpoints.min_viewpoint_m2 &&
+        ground.clearance_m(pose.position_m()) >= footprint.long_m()) {
+      return look_around(now, pose);
+    }
     if (found.clusters.empty() || reason == ReplanReason::kNothingReachable) {
       if (ground.clearance_m(pose.position_m()) < footprint.long_m()) {
         if (recover(now, pose, plan_recovery(ground, pose, trail, params.recovery))) return;
@@ -225,6 +232,15 @@ struct Explorer::State {
     return found;
   }
 
+  /// Surface that the best viewpoint completes.
+  [[nodiscard]] double largest_m2(const Targets& found) const {
+    std::size_t most = 0;
+    for (const Cluster& cluster : found.clusters) {
+      for (const Viewpoint& viewpoint : cluster.viewpoints) most = std::max(most, viewpoint.elements.size());
+    }
+    return static_cast<double>(most) * params.tsdf.voxel_m * params.tsdf.voxel_m;
+  }
+
   /// False if that was tried here already.
   bool assume_free(const Pose2& pose) {
     for (const Eigen::Vector2d& before : assumed_free_m) {
@@ -250,6 +266,21 @@ struct Explorer::State {
     const TourTarget target{static_cast<std::int64_t>(planned.viewpoints.size()), viewpoint.pose};
     planned.viewpoints.push_back(viewpoint);
     planned.tour.targets.insert(planned.tour.targets.begin(), target);
+  }
+
+  /// Where nothing much can be seen to be completed, turning once about shows where to go: as long as the camera sees
+  /// only a narrow lane, viewpoints are many and tiny.
+  void look_around(Time now, const Pose2& pose) {
+    looked_around = true;
+    status.activity = "looking around";
+    pieces.clear();
+    for (int k = 0; k < kLookAroundTurns; ++k) {
+      const double turn_rad = 2 * std::numbers::pi / kLookAroundTurns;
+      const Pose2 from{pose.x_m, pose.y_m, wrap_angle(pose.yaw_rad + k * turn_rad)};
+      pieces.push_back(piece_of(Recovery{turn_to(from, from.yaw_rad + turn_rad), {}}, from));
+    }
+    recovering = true;
+    moved_at = now;
   }
 
   void begin_dwell(std::int64_t target) {
@@ -341,8 +372,10 @@ const ExplorerStatus& Explorer::status() const {
 const mapping::TsdfMap& Explorer::map() const {
   return state_->map;
 }
-const std::vector<Certificate>& Explorer::remaining() const {
-  return state_->remaining;
+ExplorationTargets::Certification Explorer::certify(const Pose2& pose) const {
+  const Ground ground(state_->grid, state_->footprint, state_->params.costs);
+  const UnreachableGoals none;
+  return state_->targets.certify(state_->map, GroundFreeSpace(ground, state_->grid, none, pose, false), pose);
 }
 
 }  // namespace arpent::planning

@@ -19,7 +19,7 @@
 #include "planning/local/low_level_planner.h"
 #include "planning/local/recovery.h"
 #include "planning/tour/timed_tours.h"
-#include "planning/viewpoints/certificate.h"
+#include "planning/viewpoints/exploration_targets.h"
 #include "planning/viewpoints/viewpoint.h"
 
 namespace arpent::planning {
@@ -41,7 +41,7 @@ struct ExplorerParams {
   int max_stay_images = 16;
   double plan_latency_s = 0.2;
   double replan_s = 2.0;
-  double stuck_s = 5.0;
+  double stuck_s = 3.0;
   std::vector<double> region_min_m{-1e6, -1e6, -1e6};
   std::vector<double> region_max_m{1e6, 1e6, 1e6};
 
@@ -114,8 +114,8 @@ class Explorer {
 
   [[nodiscard]] const ExplorerStatus& status() const;
   [[nodiscard]] const mapping::TsdfMap& map() const;
-  /// What stays incomplete at the end, each with its reason.
-  [[nodiscard]] const std::vector<Certificate>& remaining() const;
+  /// Why each element that is incomplete now is so, for a robot at `pose`, and the poses that were tried.
+  [[nodiscard]] ExplorationTargets::Certification certify(const Pose2& pose) const;
 
  private:
   struct State;

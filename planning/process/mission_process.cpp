@@ -17,6 +17,7 @@
 #include "planning/mission/lifecycle.h"
 #include "planning/mission/path_progress.h"
 #include "planning/mission/task.h"
+#include "planning/viewpoints/certificate_file.h"
 #include "planning/viewpoints/level_camera.h"
 #include "planning/wire.h"
 
@@ -50,6 +51,7 @@ struct MissionProcess::State {
   std::unique_ptr<planning::Task> task;
   std::optional<Eyes> eyes;
   std::optional<Time> started;
+  std::optional<Pose2> begun;  ///< where the robot stood when it knew where it is
   std::optional<fusion::FusedPose> pose;
   std::optional<planning::BaseState> base;
   std::optional<planning::DriveReport> drive;
@@ -204,7 +206,8 @@ struct MissionProcess::State {
     const bool knows_where = pose && pose->status == fusion::Status::kOk && is_in_map_frame(*pose);
     if (base != planning::BaseState::kArmed || !knows_where) return;
     life.aligned();
-    task->begin(to_pose2(pose->T_frame_body));
+    begun = to_pose2(pose->T_frame_body);
+    task->begin(*begun);
   }
 
   /// Of the path that was ordered last.
@@ -224,6 +227,7 @@ struct MissionProcess::State {
   }
 
   void order(const planning::PathRequest& request) {
+    left_m = request.points_m.empty() ? drive_state().remaining_m : planning::length_m(request.points_m);
     planning::PathOrder path;
     path.stamp = pose ? pose->stamp : clock.now();
     path.sequence = ++path_sequence;
@@ -253,6 +257,26 @@ struct MissionProcess::State {
     }
   }
 
+  void write_certificate() const {
+    const auto* explore = dynamic_cast<const planning::ExploreTask*>(task.get());
+    if (explore == nullptr || config.certificate_file.empty() || !begun || !pose) return;
+    planning::CertificateContext context;
+    context.end = life.state() == MissionState::kDone ? "done" : "aborted";
+    context.reason = life.reason();
+    context.map_frame = config.map_frame;
+    context.voxel_m = config.explore.tsdf.voxel_m;
+    context.known_weight = config.explore.tsdf.known_weight;
+    context.give_up_factor = config.explore.viewpoints.give_up_factor;
+    context.start = *begun;
+    context.semi_long_m = config.explore.footprint.semi_axis_long_m;
+    context.semi_short_m = config.explore.footprint.semi_axis_short_m;
+    context.camera = eyes->camera;
+    context.lattice_m = config.explore.viewpoints.lattice_m;
+    auto certification = explore->explorer().certify(to_pose2(pose->T_frame_body));
+    context.poses = std::move(certification.poses);
+    planning::write_certificates(config.certificate_file, context, certification.certificates);
+  }
+
   void report() {
     const planning::TaskProgress progress = task->progress(drive_state());
     planning::MissionReport report;
@@ -280,10 +304,13 @@ const planning::Explorer* MissionProcess::explorer() const {
 }
 
 void MissionProcess::finish() {
-  if (state_->life.ended() || !state_->started) return;
-  state_->life.abort("the process was ended");
-  state_->stop();
-  state_->report();
+  if (!state_->started) return;
+  if (!state_->life.ended()) {
+    state_->life.abort("the process was ended");
+    state_->stop();
+    state_->report();
+  }
+  state_->write_certificate();
 }
 
 }  // namespace arpent

@@ -23,6 +23,7 @@ struct MissionConfig {
   std::string map_frame = "world";
   double max_time_s = 1800;
   std::filesystem::path rig;
+  std::filesystem::path certificate_file;
   planning::LoopParams loop;
   planning::ExplorerParams explore;
   planning::StopGuardParams stop_guard;
@@ -35,6 +36,8 @@ struct MissionConfig {
                   config::one_of({"world", "odom"}));
     visitor.field("max_time_s", self.max_time_s, "the mission is aborted after so long", config::greater_than(0.0));
     visitor.field("rig", self.rig, "rig file: what the camera sees (kind explore)");
+    visitor.field("certificate_file", self.certificate_file,
+                  "written at the end: what stayed incomplete and why (kind explore); empty: none");
     visitor.group("loop", self.loop, "the test path of kind loop");
     visitor.group("explore", self.explore, "the exploration of kind explore");
     visitor.group("stop_guard", self.stop_guard, "stops for what stands in the way (kind explore)");

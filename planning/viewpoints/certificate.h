@@ -21,7 +21,9 @@ enum class Verdict : std::uint8_t {
   kOutOfRange,   ///< no pose at all has it in view: too high or too low for a level camera within the range of depth
   kUnreachable,  ///< poses would have it in view, but the robot cannot stand there
   kOccluded,     ///< it is in view from reachable poses, but always behind occupied voxels
-  kBelowSensingLimit,  ///< in sight, but looks do not make it known: they weigh too little, or already failed to
+  /// In sight, but looks do not make it known: they weigh too little, or already failed to. Or it belongs to a piece
+  /// too small to go for (ViewpointParams::least_piece_m2).
+  kBelowSensingLimit,
 };
 
 [[nodiscard]] const char* to_text(Verdict verdict);

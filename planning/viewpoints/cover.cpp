@@ -206,10 +206,13 @@ void extend_cover(Cover& cover, const Sight& sight, const std::vector<Pose2>& po
   }
 }
 
-Cover cover_elements(const Sight& sight, const FreeSpace& free_space, const Pose2& robot,
-                     const ViewpointParams& params) {
+Cover cover_elements(const Sight& sight, const FreeSpace& free_space, const Pose2& robot, const ViewpointParams& params,
+                     const Skipped& skipped) {
   Cover cover;
-  for (std::uint32_t i = 0; i < sight.elements().size(); ++i) cover.left.push_back(i);
+  for (std::uint32_t i = 0; i < sight.elements().size(); ++i) {
+    if (skipped.empty() || skipped[i] == 0) cover.left.push_back(i);
+  }
+  const std::size_t asked = cover.left.size();
   const double voxel_m2 = sight.voxel_m() * sight.voxel_m();
   for (const Round& round : kRounds) {
     const std::vector<Pose2> poses = Candidates(sight, params).find(cover.left, round, free_space, robot);
@@ -218,7 +221,7 @@ Cover cover_elements(const Sight& sight, const FreeSpace& free_space, const Pose
     const std::size_t least_worth = std::max(round.least_worth, static_cast<std::size_t>(std::ceil(least)));
     extend_cover(cover, sight, poses, {looks, params.unknown_reach_m, least_worth});
     cover.postponed = params.min_viewpoint_m2 > 0 && !cover.viewpoints.empty();
-    const auto served = static_cast<double>(sight.elements().size() - cover.left.size());
+    const auto served = static_cast<double>(asked - cover.left.size());
     if (cover.postponed && served * voxel_m2 >= kTourMinima * params.min_viewpoint_m2) break;
   }
   return cover;

@@ -23,6 +23,9 @@ struct Cover {
   bool postponed = false;
 };
 
+/// A flag for each element: not gone for.
+using Skipped = std::vector<std::uint8_t>;
+
 /// What a viewpoint may count on.
 struct Effort {
   int looks = 1;
@@ -37,8 +40,9 @@ struct Effort {
 /// submodular set functions", 1978). In rounds: first the poses that most elements ask for, and only what is worth a
 /// stop; what is left may ask for more poses, all round, and for `max_looks`. With min_viewpoint_m2 the first round
 /// that finds viewpoints is the last.
+/// Elements with a flag in `skipped` are neither covered nor left.
 [[nodiscard]] Cover cover_elements(const Sight& sight, const FreeSpace& free_space, const Pose2& robot,
-                                   const ViewpointParams& params);
+                                   const ViewpointParams& params, const Skipped& skipped = {});
 
 /// One more round, with these poses: completes `left` as far as they can.
 void extend_cover(Cover& cover, const Sight& sight, const std::vector<Pose2>& poses, const Effort& effort);

@@ -11,6 +11,7 @@
 #include "planning/viewpoints/clustering.h"
 #include "planning/viewpoints/cover.h"
 #include "planning/viewpoints/generation.h"
+#include "planning/viewpoints/pieces.h"
 
 namespace arpent::planning {
 namespace {
@@ -62,17 +63,41 @@ void add_attempt(std::vector<Viewpoint>& attempts, const Sight& sight, std::uint
   for (const Pose2& pose : poses) attempts.push_back({pose, {voxel}, looks});
 }
 
+/// With a flag for each element of a piece that is too small to go for; empty if none is.
+Skipped small_pieces(const Sight& sight, const ViewpointParams& params) {
+  if (params.preset == "thesis" || params.least_piece_m2 <= 0) return {};
+  Skipped small;
+  for (const std::size_t size : piece_sizes(sight.elements())) {
+    small.push_back(static_cast<double>(size) * sight.voxel_m() * sight.voxel_m() < params.least_piece_m2 ? 1 : 0);
+  }
+  return small;
+}
+
+/// What could be completed but is a piece too small to go for is below the limit of what is sensed.
+Certificate judge(const Certifier& certifier, const Sight& sight, std::uint32_t element, const Skipped& small) {
+  Certificate certificate = certifier.judge(element);
+  if (certificate.verdict != Verdict::kCompletable || small.empty() || small[element] == 0) return certificate;
+  const auto count = static_cast<int>(certificate.poses.size());
+  const Eigen::Vector3d place_m = sight.unknowns()[sight.unknowns_of(element).front()].centre_m;
+  return {certificate.element, Verdict::kBelowSensingLimit, {}, place_m, count, count};
+}
+
 /// Elements that the usual poses left but that some pose completes become the last viewpoints; the others are what
 /// remains, with the reason.
 std::vector<Certificate> settle_the_rest(Cover& cover, const Sight& sight, const FreeSpace& free_space,
-                                         const Pose2& robot, const ViewpointParams& params) {
+                                         const Pose2& robot, const ViewpointParams& params, const Skipped& small) {
   std::vector<Certificate> remaining;
-  if (cover.left.empty() || cover.postponed) return remaining;
+  if (cover.postponed) return remaining;
+  for (std::uint32_t i = 0; i < small.size(); ++i) {
+    if (small[i] != 0) cover.left.push_back(i);
+  }
+  std::sort(cover.left.begin(), cover.left.end());
+  if (cover.left.empty()) return remaining;
   const Certifier certifier(sight, free_space, robot, params);
   std::vector<Pose2> poses;
   std::unordered_map<std::uint32_t, std::vector<Pose2>> poses_of;
   for (const std::uint32_t element : cover.left) {
-    Certificate certificate = certifier.judge(element);
+    Certificate certificate = judge(certifier, sight, element, small);
     poses.insert(poses.end(), certificate.poses.begin(), certificate.poses.end());
     if (certificate.verdict == Verdict::kCompletable && params.preset != "thesis") {
       poses_of.emplace(element, std::move(certificate.poses));
@@ -170,16 +195,31 @@ void ExplorationTargets::note_visit(const TsdfMap& map, const Viewpoint& viewpoi
   }
 }
 
+ExplorationTargets::Certification ExplorationTargets::certify(const TsdfMap& map, const FreeSpace& free_space,
+                                                              const Pose2& robot) const {
+  const Sight sight(state_->camera, state_->surface, map, state_->given_up);
+  const Skipped small = small_pieces(sight, state_->params);
+  const Certifier certifier(sight, free_space, robot, state_->params);
+  Certification certification;
+  for (std::uint32_t i = 0; i < sight.elements().size(); ++i) {
+    certification.certificates.push_back(judge(certifier, sight, i, small));
+  }
+  certification.poses = certifier.poses();
+  return certification;
+}
+
 Targets ExplorationTargets::plan(const TsdfMap& map, const FreeSpace& free_space, const Pose2& robot) {
   const ViewpointParams& params = state_->params;
   const Sight sight(state_->camera, state_->surface, map, state_->given_up);
   const bool thesis = params.preset == "thesis";
-  Cover cover =
-      thesis ? generate_as_printed(sight, free_space, robot, params) : cover_elements(sight, free_space, robot, params);
+  const Skipped small = small_pieces(sight, params);
+  Cover cover = thesis ? generate_as_printed(sight, free_space, robot, params)
+                       : cover_elements(sight, free_space, robot, params, small);
   Targets targets;
   targets.elements = sight.elements().size();
-  targets.postponed = cover.postponed ? cover.left.size() : 0;
-  targets.remaining = settle_the_rest(cover, sight, free_space, robot, params);
+  if (cover.postponed)
+    targets.postponed = cover.left.size() + static_cast<std::size_t>(std::count(small.begin(), small.end(), 1));
+  targets.remaining = settle_the_rest(cover, sight, free_space, robot, params, small);
   const Partition partition = thesis ? cluster_by_single_linkage(cover.viewpoints, params)
                                      : cluster_by_drive(cover.viewpoints, params, free_space);
   targets.clusters = make_clusters(cover.viewpoints, partition, sight, params);

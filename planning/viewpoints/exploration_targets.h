@@ -53,6 +53,15 @@ class ExplorationTargets {
   /// second time are given up: below the sensing limit, whatever was promised.
   void note_visit(const mapping::TsdfMap& map, const Viewpoint& viewpoint);
 
+  /// Why each element is incomplete now, in their order, and the poses that were tried for it: what a mission leaves
+  /// behind.
+  struct Certification {
+    std::vector<Certificate> certificates;
+    std::vector<Pose2> poses;
+  };
+  [[nodiscard]] Certification certify(const mapping::TsdfMap& map, const FreeSpace& free_space,
+                                      const Pose2& robot) const;
+
   /// Clusters and remaining elements for a robot at `robot`. A cluster that has at least half of its elements in common
   /// with one of the last plan() keeps its id, others get new ones; the same history gives the same ids. `map` is the
   /// one of the last update().

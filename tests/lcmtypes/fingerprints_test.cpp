@@ -58,7 +58,7 @@ const std::map<std::string, std::uint64_t> kFrozen = {
     {"imu_t", 0x9db5bd7ce17f5232},
     {"mission_command_t", 0x688434df5aa88fdc},
     {"mission_state_t", 0x6e50eaf98d148b1a},
-    {"path_t", 0x96f03a4f0082ad15},
+    {"path_t", 0xf387aa8be2ac05b2},
     {"tag_observation_t", 0x2068e4feeadbb5c4},
     {"tag_t", 0x90538cba87c4df6d},
     {"tracker_status_t", 0x7edc1a0be15f7ba4},

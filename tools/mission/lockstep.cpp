@@ -126,7 +126,10 @@ MissionResult run_lockstep(const MissionSpec& spec, const MissionOptions& option
 
 MissionResult run_mission(const MissionSpec& spec, const MissionOptions& options) {
   std::filesystem::create_directories(options.out);
-  return options.live ? run_live_mission(spec, options) : run_lockstep(spec, options);
+  MissionSpec filled = spec;
+  filled.mission.certificate_file = std::filesystem::absolute(options.out / "certificate.json");
+  std::filesystem::remove(filled.mission.certificate_file);
+  return options.live ? run_live_mission(filled, options) : run_lockstep(filled, options);
 }
 
 }  // namespace arpent::tools

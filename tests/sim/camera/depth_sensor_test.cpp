@@ -32,7 +32,9 @@ TEST(DepthSensor, NoDepthArisesBetweenTwoSurfaces) {
   truth.colRange(20, 40).setTo(4.0F);
   truth.row(5).setTo(0.0F);
   truth.row(6).setTo(7.0F);
-  const NoisyDepth depth = sense_depth(truth, {}, 3);
+  DepthNoise noise;
+  noise.max_range_m = 5;
+  const NoisyDepth depth = sense_depth(truth, noise, 3);
   for (int v = 0; v < 40; ++v) {
     for (int u = 0; u < 40; ++u) {
       const float wanted = v == 5 || v == 6 ? 0.0F : truth(v, u);

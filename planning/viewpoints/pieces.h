@@ -1,0 +1,20 @@
+// SPDX-FileCopyrightText: The arpent authors
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// Which incomplete elements hang together. Noise leaves single elements all over a finished map; a frontier is one
+// large piece.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "mapping/surface/incomplete_surface.h"
+
+namespace arpent::planning {
+
+/// For each element how many there are in its piece, itself included: elements whose voxels touch, also by an edge or a
+/// corner, hang together.
+[[nodiscard]] std::vector<std::size_t> piece_sizes(std::span<const mapping::IncompleteElement> elements);
+
+}  // namespace arpent::planning

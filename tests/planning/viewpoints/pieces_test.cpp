@@ -1,0 +1,56 @@
+// SPDX-FileCopyrightText: The arpent authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "planning/viewpoints/pieces.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <random>
+
+namespace arpent::planning {
+namespace {
+
+using mapping::IncompleteElement;
+using mapping::VoxelIndex;
+
+std::vector<IncompleteElement> elements_at(const std::vector<VoxelIndex>& voxels) {
+  std::vector<IncompleteElement> elements(voxels.size());
+  for (std::size_t i = 0; i < voxels.size(); ++i) elements[i].voxel = voxels[i];
+  return elements;
+}
+
+TEST(Pieces, CornersHangTogetherGapsDoNot) {
+  const auto sizes = piece_sizes(elements_at({{0, 0, 0}, {1, 1, 1}, {3, 1, 1}, {4, 0, 2}, {9, 9, 9}}));
+  EXPECT_EQ(sizes, (std::vector<std::size_t>{2, 2, 2, 2, 1}));
+  EXPECT_TRUE(piece_sizes({}).empty());
+}
+
+TEST(Pieces, AreThoseOfRepeatedRelabelling) {
+  std::mt19937 random(7);
+  std::uniform_int_distribution<int> coordinate(-6, 6);
+  std::vector<VoxelIndex> voxels;
+  for (int i = 0; i < 150; ++i) {
+    const VoxelIndex v(coordinate(random), coordinate(random), coordinate(random));
+    if (std::find(voxels.begin(), voxels.end(), v) == voxels.end()) voxels.push_back(v);
+  }
+  // The slow way: neighbours take the smaller label until nothing changes.
+  std::vector<std::size_t> label(voxels.size());
+  for (std::size_t i = 0; i < label.size(); ++i) label[i] = i;
+  for (bool changed = true; changed;) {
+    changed = false;
+    for (std::size_t i = 0; i < voxels.size(); ++i) {
+      for (std::size_t j = 0; j < voxels.size(); ++j) {
+        if ((voxels[i] - voxels[j]).cwiseAbs().maxCoeff() > 1 || label[j] >= label[i]) continue;
+        label[i] = label[j];
+        changed = true;
+      }
+    }
+  }
+  const auto sizes = piece_sizes(elements_at(voxels));
+  for (std::size_t i = 0; i < voxels.size(); ++i) {
+    EXPECT_EQ(sizes[i], static_cast<std::size_t>(std::count(label.begin(), label.end(), label[i])));
+  }
+}
+
+}  // namespace
+}  // namespace arpent::planning

@@ -65,13 +65,26 @@ class Ways {
     return true;
   }
 
-  /// (left, right) between samples, along a straight line; differentiable by the time.
+  /// (left, right) by the cubic B-spline over the samples; differentiable by the time. It evens out the encoders'
+  /// counts alike at and between samples; a straight line does so only in between, and draws the delay there.
   template <class T>
   std::array<T, 2> at(const T& t_s) const {
     const std::size_t i = std::clamp<std::size_t>(after(scalar(t_s)), 1, samples_.size() - 1);
-    const WheelWays &a = samples_[i - 1], &b = samples_[i];
-    const T share = (t_s - a.t_s) / (b.t_s - a.t_s);
-    return {a.left_m + share * (b.left_m - a.left_m), a.right_m + share * (b.right_m - a.right_m)};
+    const double period_s = samples_[i].t_s - samples_[i - 1].t_s;
+    const T u = (t_s - samples_[i - 1].t_s) / period_s, v = 1.0 - u;
+    const std::array<T, 4> weight{v * v * v / 6.0, (3.0 * u * u * (u - 2.0) + 4.0) / 6.0,
+                                  (3.0 * v * v * (v - 2.0) + 4.0) / 6.0, u * u * u / 6.0};
+    T left(0), right(0), time_s(0);
+    for (std::size_t k = 0; k < weight.size(); ++k) {
+      const std::size_t j = std::clamp<std::size_t>(i + k, 2, samples_.size() + 1) - 2;
+      left += weight[k] * samples_[j].left_m;
+      right += weight[k] * samples_[j].right_m;
+      time_s += weight[k] * (samples_[j].t_s - samples_[i - 1].t_s);
+    }
+    // Where samples are not evenly spaced, the spline's time is not quite the one asked for.
+    const T late = (t_s - samples_[i - 1].t_s - time_s) / period_s;
+    return {left + late * (samples_[i].left_m - samples_[i - 1].left_m),
+            right + late * (samples_[i].right_m - samples_[i - 1].right_m)};
   }
 
   /// Motion of the body between two times: arcs from sample to sample.
@@ -90,7 +103,7 @@ class Ways {
       last = next;
     };
     for (std::size_t i = after(scalar(from_s)); i < samples_.size() && samples_[i].t_s < scalar(to_s); ++i) {
-      go({T(samples_[i].left_m), T(samples_[i].right_m)});
+      go(at(T(samples_[i].t_s)));
     }
     go(at(to_s));
     return pose;
@@ -280,7 +293,13 @@ DriveCalibration calibrate_drive(const DriveInput& input) {
 
   std::array<double, kDriveParameters> q{1, 1, input.track_m, offset_s, 0, 0, 0};
   std::vector<Planar<double>> poses;
-  for (const CameraPose& pose : input.camera) poses.push_back(planar(pose.T_ref_body));
+  for (const CameraPose& pose : input.camera) {
+    poses.push_back(planar(pose.T_ref_body));
+    if (poses.size() < 2) continue;
+    // Headings go on beyond half a turn, as the wheels' do.
+    const double before = poses[poses.size() - 2][2];
+    poses.back()[2] = before + wrap_angle(poses.back()[2] - before);
+  }
   ceres::Problem problem;
   auto* loss = new ceres::HuberLoss(kHuber);
   std::vector<bool> seen(poses.size(), false);

@@ -2,6 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tests/calib/simulated_drive.h"
 
+#include <algorithm>
+#include <array>
+#include <cmath>
 #include <random>
 
 #include "common/pose2.h"
@@ -31,6 +34,18 @@ Matrix6d tag_covariance() {
 Eigen::Matrix3d planar_part(const Matrix6d& covariance) {
   const std::array<int, 3> kept{0, 1, 5};
   return covariance(kept, kept);
+}
+
+/// Slip whose ways add up to `kSlipRootM` per root metre of each side.
+void slip(base::WheelMotors& wheels, std::mt19937_64& random) {
+  constexpr double kSlipRootM = 0.002;
+  std::normal_distribution<double> normal;
+  std::array<double, 2> share{};
+  for (const base::Side side : {base::Side::kLeft, base::Side::kRight}) {
+    const double way_m = std::max(1e-6, std::abs(wheels.speed_mps(side)) * kStepS);
+    share[static_cast<std::size_t>(side)] = kSlipRootM * normal(random) / std::sqrt(way_m);
+  }
+  wheels.set_slip(share[0], share[1]);
 }
 
 }  // namespace
@@ -75,6 +90,7 @@ DriveInput simulate_drive(const DriveTruth& truth, CameraMotion motion, std::uin
       input.camera.push_back(pose);
     }
     wheels.step(wanted, kStepS);
+    slip(wheels, random);
     robot.step(wheels.ground_twist(), kStepS);
   }
   return input;

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <deque>
+#include <numbers>
 
 #include "common/config/config.h"
 #include "common/pose2.h"
@@ -146,15 +147,31 @@ Qp make_qp(const Reference& reference, const Errors& start, const Twist2& last, 
 
 }  // namespace
 
+/// Driven backwards, a base is one that looks the other way and drives forwards: everything in here is about that one.
 struct PathTracker::State {
   TrackerParams params;
   std::optional<Path> path;
+  bool backwards = false;
   std::optional<double> goal_heading_rad;
   TrackerMode mode = TrackerMode::kIdle;
   double s_m = 0;
   Twist2 last;
   Inputs plan = Inputs::Zero();
   std::deque<std::pair<Time, Twist2>> sent;
+
+  void look(bool back) {
+    if (back == backwards) return;
+    backwards = back;
+    last.speed_mps = -last.speed_mps;
+    for (auto& command : sent) command.second.speed_mps = -command.second.speed_mps;
+  }
+
+  [[nodiscard]] BaseState as_driven(BaseState state) const {
+    if (!backwards) return state;
+    state.yaw_rad += std::numbers::pi;
+    state.twist.speed_mps = -state.twist.speed_mps;
+    return state;
+  }
 
   /// Where the base will be when a command given now reaches it.
   [[nodiscard]] BaseState predict(Time now, BaseState state) const {
@@ -188,7 +205,7 @@ struct PathTracker::State {
     while (sent.size() > 2 && sent[1].first + from_seconds(params.delay_s + params.max_pose_age_s) < now) {
       sent.pop_front();
     }
-    output.command = last;
+    output.command = backwards ? Twist2{-last.speed_mps, last.turn_rate_radps} : last;
     output.mode = mode;
     return output;
   }
@@ -241,7 +258,9 @@ PathTracker::~PathTracker() = default;
 PathTracker::PathTracker(PathTracker&&) noexcept = default;
 PathTracker& PathTracker::operator=(PathTracker&&) noexcept = default;
 
-void PathTracker::follow(Path path, std::optional<double> goal_heading_rad) {
+void PathTracker::follow(Path path, std::optional<double> goal_heading_rad, bool backwards) {
+  state_->look(backwards);
+  if (backwards && goal_heading_rad) *goal_heading_rad += std::numbers::pi;
   state_->path = std::move(path);
   state_->goal_heading_rad = goal_heading_rad;
   state_->mode = TrackerMode::kTurnToPath;
@@ -272,7 +291,7 @@ TrackerOutput PathTracker::step(Time now, const BaseState& state) {
   const double age_s = to_seconds(now - state.stamp);
   if (age_s > s.params.max_pose_age_s || age_s < 0) return s.brake(now, output, "the pose is stale");
 
-  const BaseState at = s.predict(now, state);
+  const BaseState at = s.predict(now, s.as_driven(state));
   s.s_m = s.path->project(at.p_map_m, s.s_m - kSearchBackM, s.s_m + kSearchAheadM);
   const PathPoint nearest = s.path->at(s.s_m);
   const Eigen::Vector2d left(-std::sin(nearest.heading_rad), std::cos(nearest.heading_rad));

@@ -76,7 +76,8 @@ class PathTracker {
   PathTracker& operator=(PathTracker&&) noexcept;
 
   /// Replaces the path; the base goes on from the speed it has. Without a goal heading it stops as it comes.
-  void follow(Path path, std::optional<double> goal_heading_rad);
+  /// `backwards`: tail first.
+  void follow(Path path, std::optional<double> goal_heading_rad, bool backwards = false);
   /// Brakes to a stand and forgets the path.
   void stop();
   /// The base has been stopped by other means: what was commanded before is void.

@@ -68,6 +68,7 @@ Result<PathOrder> from_wire(const path_t& message) {
     if (i > 0) length_m += (order.points_m[i] - order.points_m[i - 1]).norm();
   }
   if (length_m > kMaxLengthM) return Fault{"it is longer than 5 km"};
+  order.backwards = message.backwards != 0;
   if (message.has_goal_heading != 0) {
     if (!within(message.goal_heading_rad, 100)) return Fault{"its goal heading is not an angle"};
     order.goal_heading_rad = message.goal_heading_rad;

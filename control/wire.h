@@ -34,6 +34,7 @@ struct PathOrder {
   std::int64_t sequence = 0;
   std::string frame;
   std::vector<Eigen::Vector2d> points_m;
+  bool backwards = false;
   std::optional<double> goal_heading_rad;
   std::optional<double> max_speed_mps;
 };

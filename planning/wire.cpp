@@ -16,6 +16,7 @@ path_t to_wire(const PathOrder& path) {
     message.y_m.push_back(p.y());
   }
   message.count = static_cast<std::int32_t>(path.points_m.size());
+  message.backwards = path.backwards ? 1 : 0;
   message.has_goal_heading = path.goal_heading_rad ? 1 : 0;
   message.goal_heading_rad = path.goal_heading_rad.value_or(0);
   message.max_speed_mps = path.max_speed_mps;

@@ -28,6 +28,7 @@ struct PathOrder {
   std::int64_t sequence = 0;
   std::string frame = "world";
   std::vector<Eigen::Vector2d> points_m;
+  bool backwards = false;
   std::optional<double> goal_heading_rad;
   double max_speed_mps = 0;  ///< 0: the tracker's own limit
 };

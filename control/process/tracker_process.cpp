@@ -122,7 +122,7 @@ struct TrackerProcess::State {
     control::Limits limits = params.limits;
     limits.max_speed_mps = std::min(limits.max_speed_mps, read->max_speed_mps.value_or(limits.max_speed_mps));
     try {
-      tracker.follow(control::Path(read->points_m, limits), read->goal_heading_rad);
+      tracker.follow(control::Path(read->points_m, limits), read->goal_heading_rad, read->backwards);
     } catch (const InputError& error) {
       stop_following();
       return refuse(channels::kPath, error.what());

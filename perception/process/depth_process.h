@@ -20,7 +20,8 @@ struct DepthConfig {
   std::filesystem::path rig;
   stereo::MatcherParams matcher;
   double min_range_m = 0.3;
-  double max_range_m = 5.0;
+  /// Farther than the map takes surfaces from (tsdf.max_range_m): what is measured there says that nothing is before it.
+  double max_range_m = 40.0;
   double rate_hz = 5.0;
   bool publish_disparity = true;
   bool publish_filled = false;

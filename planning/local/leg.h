@@ -68,6 +68,7 @@ class LegProgress {
 struct DrivePiece {
   std::vector<Eigen::Vector2d> points_m;  ///< map frame, at least two, 5 cm apart: as control::Path takes them
   double end_heading_rad = 0;
+  bool backwards = false;  ///< tail first: recoveries only
 };
 
 /// Splits a leg at its turns on the spot. Drives shorter than 3 cm are left out; a leg that only turns becomes one

@@ -85,6 +85,8 @@ const char* to_text(NoLeg reason) {
       return "the way is too tight for the footprint";
     case NoLeg::kBudget:
       return "the search used up its steps";
+    case NoLeg::kStuck:
+      return "the robot got stuck on the way there";
   }
   return "";
 }

@@ -39,6 +39,7 @@ enum class NoLeg : std::uint8_t {
   kNoWay,     ///< not even the robot's width comes through
   kTooTight,  ///< its width comes through, but no way was found for the whole footprint
   kBudget,    ///< the search used up its steps
+  kStuck,     ///< the robot stood on the way there and did not get on
 };
 [[nodiscard]] const char* to_text(NoLeg reason);
 

@@ -127,6 +127,17 @@ void LowLevelPlanner::begin_next_leg(const LowLevelInput& input, LowLevelOutput&
   waiting_for_ = all_visited ? ReplanReason::kTourDone : ReplanReason::kNothingReachable;
 }
 
+void LowLevelPlanner::give_up_target(const LowLevelInput& input) {
+  if (const auto stuck_on = target()) {
+    const Eigen::Vector2d reach = Eigen::Vector2d::Constant(input.ground.footprint().long_m());
+    LegResult failure;
+    failure.reason = NoLeg::kStuck;
+    failure.region = {input.pose.position_m() - reach, input.pose.position_m() + reach};
+    unreachable_.remember(stuck_on->pose, failure, input.grid.revision());
+  }
+  set_tour({});
+}
+
 bool LowLevelPlanner::reached(const Pose2& pose) const {
   const Pose2& goal = driving_->leg.goal;
   return (goal.position_m() - pose.position_m()).norm() <= params_.goal_tolerance_m &&

@@ -111,6 +111,9 @@ class LowLevelPlanner {
 
   /// Share of the tour's elements that are complete now [0, 1]; 0 for a tour without elements.
   [[nodiscard]] double completed_share() const { return completed_share_; }
+  /// The robot does not get on: its target counts as unreachable until something changes about where it stands, and the
+  /// tour is void.
+  void give_up_target(const LowLevelInput& input);
   [[nodiscard]] const UnreachableGoals& unreachable() const { return unreachable_; }
   /// The target that is being driven to.
   [[nodiscard]] std::optional<TourTarget> target() const;

@@ -11,6 +11,8 @@ namespace {
 constexpr double kSpacingM = 0.03;
 constexpr double kSpacingRad = 0.1;
 constexpr double kLeastBackM = 0.3;
+constexpr double kLeastBackOffM = 0.1;
+constexpr double kPathSpacingM = 0.05;  ///< as control::Path takes them
 constexpr int kHeadings = 36;
 
 std::optional<Motion> find_turn(const Ground& ground, const Pose2& pose, double deepest_m,
@@ -67,6 +69,44 @@ std::optional<Recovery> plan_recovery(const Ground& ground, const Pose2& pose, c
   // No room to turn so far: at least out of the corner, if it is one.
   const bool some_way = (at.position_m() - pose.position_m()).norm() >= kLeastBackM;
   return some_way && ground.margin_m(at) >= params.room_m ? std::optional(recovery) : std::nullopt;
+}
+
+std::optional<Recovery> back_off(const Ground& ground, const Pose2& pose, const Trail& trail, double length_m,
+                                 const RecoveryParams& params) {
+  const double deepest_m = std::max(0.0, -ground.margin_m(pose)) + params.max_deeper_m;
+  const Eigen::Vector2d back = -Eigen::Vector2d(std::cos(pose.yaw_rad), std::sin(pose.yaw_rad));
+  Recovery straight;
+  for (double way_m = kPathSpacingM; way_m <= length_m; way_m += kPathSpacingM) {
+    const Eigen::Vector2d p = pose.position_m() + way_m * back;
+    const Pose2 at{p.x(), p.y(), pose.yaw_rad};
+    if (ground.margin_m(at) < -deepest_m) break;
+    straight.backwards.push_back(at);
+  }
+  Recovery along;
+  double driven_m = 0;
+  Pose2 at = pose;
+  for (auto behind = trail.poses().rbegin(); behind != trail.poses().rend() && driven_m < length_m; ++behind) {
+    if (ground.margin_m(*behind) < -deepest_m) break;
+    driven_m += (behind->position_m() - at.position_m()).norm();
+    along.backwards.push_back(*behind);
+    at = *behind;
+  }
+  const double straight_m = kPathSpacingM * static_cast<double>(straight.backwards.size());
+  if (std::max(straight_m, driven_m) < kLeastBackOffM) return std::nullopt;
+  return straight_m >= driven_m ? straight : along;
+}
+
+DrivePiece piece_of(const Recovery& recovery, const Pose2& pose) {
+  if (recovery.turn) return pieces_of({pose, end_of(*recovery.turn), {*recovery.turn}, {}}).front();
+  DrivePiece piece{{pose.position_m()}, recovery.backwards.back().yaw_rad, true};
+  for (const Pose2& at : recovery.backwards) {
+    if ((at.position_m() - piece.points_m.back()).norm() >= kPathSpacingM - 1e-6) piece.points_m.push_back(at.position_m());
+  }
+  if (piece.points_m.size() == 1) {
+    // Only turns: as they came, but forwards.
+    return pieces_of({pose, recovery.backwards.back(), {turn_to(pose, recovery.backwards.back().yaw_rad)}, {}}).front();
+  }
+  return piece;
 }
 
 }  // namespace arpent::planning

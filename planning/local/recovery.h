@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "planning/local/ground.h"
+#include "planning/local/leg.h"
 
 namespace arpent::planning {
 
@@ -43,6 +44,7 @@ class Trail {
   std::deque<Pose2> poses_;
 };
 
+/// What the tracker shall drive for it.
 struct Recovery {
   std::optional<Motion> turn;    ///< on the spot; or else
   std::vector<Pose2> backwards;  ///< poses to be passed backwards, the nearest first
@@ -52,5 +54,13 @@ struct Recovery {
 /// place, as far back as it may. nullopt if neither gives room: the robot needs help, or a map that is right.
 [[nodiscard]] std::optional<Recovery> plan_recovery(const Ground& ground, const Pose2& pose, const Trail& trail,
                                                     const RecoveryParams& params);
+
+/// Straight backwards, or along the trail where that is not free: for a robot that touches what its map does not know.
+/// Up to `length_m`, as far as it is free; nullopt if that is next to nothing.
+[[nodiscard]] std::optional<Recovery> back_off(const Ground& ground, const Pose2& pose, const Trail& trail,
+                                               double length_m, const RecoveryParams& params);
+
+/// The piece that the path tracker drives.
+[[nodiscard]] DrivePiece piece_of(const Recovery& recovery, const Pose2& pose);
 
 }  // namespace arpent::planning

@@ -16,6 +16,15 @@ namespace arpent::planning {
 namespace {
 
 constexpr double kTrailM = 3.0;
+constexpr double kBackOffM = 0.4;
+/// A recovery that did not help here is not tried a third time.
+constexpr int kRecoveriesPerPlace = 2;
+
+FootprintParams grown(FootprintParams footprint, double margin_m) {
+  footprint.semi_axis_long_m += margin_m;
+  footprint.semi_axis_short_m += margin_m;
+  return footprint;
+}
 
 /// What the viewpoints ask about the ground, answered from the newest map. Places to which no leg was found are not
 /// free, as long as nothing changed there.
@@ -65,6 +74,8 @@ struct Explorer::State {
   std::vector<Certificate> remaining;
   VoxelSet ever;
   std::vector<Eigen::Vector2d> assumed_free_m;
+  std::vector<Pose2> recovered_at;
+  bool recovering = false;
 
   /// A tour that is thought out but not yet in force.
   struct Pending {
@@ -90,7 +101,7 @@ struct Explorer::State {
         map(p.tsdf),
         targets(p.viewpoints, camera, region_of(p)),
         grid(p.grid),
-        footprint(p.footprint),
+        footprint(grown(p.footprint, p.footprint_margin_m)),
         low_level(p.low_level) {}
 
   void integrate(const stereo::DepthMap& depth, const Pose& T_map_cam, const Pose2& body) {
@@ -128,17 +139,24 @@ struct Explorer::State {
       status.activity = "looking";
       return {};
     }
+    if (dwell && dwell->images >= dwell->viewpoint.looks) targets.note_visit(map, dwell->viewpoint);
     dwell.reset();
     if (blocked) {
       status.activity = "waiting: something is in the way";
       return {};
     }
+    if (recovering && !arrived && now - moved_at < from_seconds(params.stuck_s)) return {};
+    recovering = false;
     const Ground ground(grid, footprint, params.costs);
     const LowLevelOutput output = low_level.step({ground, grid, pose});
     const bool stale = now - adopted_at > from_seconds(params.replan_s);
     if (!pending && (output.replan != ReplanReason::kNone || stale)) plan(now, ground, pose, output.replan);
     if (status.done) return {ExplorerOrder::Kind::kStop, {}};
+    if (recovering) return next_piece();
     if (output.visited) begin_dwell(*output.visited);
+    if (output.order == DriveOrder::kGoOn && low_level.target() && now - moved_at > from_seconds(params.stuck_s)) {
+      return get_unstuck(now, ground, pose);
+    }
     return order_for(now, output, arrived);
   }
 
@@ -178,8 +196,11 @@ struct Explorer::State {
     status.activity = std::string("planning: ") + to_text(reason);
     ++status.tours;
     if (found.clusters.empty() || reason == ReplanReason::kNothingReachable) {
-      // Boxed in by ground that it has not seen, a robot assumes once more what it assumed at the start.
-      if (ground.clearance_m(pose.position_m()) < footprint.long_m() && assume_free(pose)) return;
+      if (ground.clearance_m(pose.position_m()) < footprint.long_m()) {
+        if (recover(now, pose, plan_recovery(ground, pose, trail, params.recovery))) return;
+        // Boxed in by ground that it has not seen, a robot assumes once more what it assumed at the start.
+        if (assume_free(pose)) return;
+      }
     }
     if (found.clusters.empty()) {
       status.done = true;
@@ -250,7 +271,6 @@ struct Explorer::State {
       return {ExplorerOrder::Kind::kStop, {}};
     }
     if (arrived && !pieces.empty()) return next_piece();
-    if (low_level.target() && now - moved_at > from_seconds(params.stuck_s)) return give_up_target();
     if (low_level.target()) status.activity = "driving to a viewpoint";
     return {};
   }
@@ -262,13 +282,31 @@ struct Explorer::State {
     return order;
   }
 
-  /// The robot stands though it has a leg to drive: it goes on with a tour made anew.
-  ExplorerOrder give_up_target() {
+  /// The robot stands though it has a leg to drive: it touches something that the map does not know, or was stopped. It
+  /// backs off, and goes on with a tour made anew.
+  ExplorerOrder get_unstuck(Time now, const Ground& ground, const Pose2& pose) {
+    low_level.give_up_target({ground, grid, pose});
     tour = {};
-    low_level.set_tour({});
     pieces.clear();
     status.activity = "giving up a leg that could not be driven";
+    if (recover(now, pose, back_off(ground, pose, trail, kBackOffM, params.recovery))) return next_piece();
     return {ExplorerOrder::Kind::kStop, {}};
+  }
+
+  /// Puts the recovery, if there is one and it has not failed here before, in the place of the leg.
+  bool recover(Time now, const Pose2& pose, const std::optional<Recovery>& recovery) {
+    const auto here = std::count_if(recovered_at.begin(), recovered_at.end(), [&](const Pose2& before) {
+      return (before.position_m() - pose.position_m()).norm() < 0.1 &&
+             std::abs(wrap_angle(before.yaw_rad - pose.yaw_rad)) < 0.3;
+    });
+    if (!recovery || here >= kRecoveriesPerPlace) return false;
+    recovered_at.push_back(pose);
+    ++status.recoveries;
+    status.activity = "getting out of where it is boxed in";
+    pieces = {piece_of(*recovery, pose)};
+    recovering = true;
+    moved_at = now;
+    return true;
   }
 };
 

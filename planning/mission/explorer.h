@@ -33,6 +33,7 @@ struct ExplorerParams {
   LowLevelParams low_level;
   RecoveryParams recovery;
   tour::TimedParams tour;
+  double footprint_margin_m = 0.05;
   double start_clearance_m = 0.8;
   double nominal_speed_mps = 0.5;
   double nominal_turn_rate_radps = 1.0;
@@ -54,6 +55,9 @@ struct ExplorerParams {
     visitor.group("low_level", self.low_level, "legs and when to plan anew");
     visitor.group("recovery", self.recovery, "what to do when boxed in");
     visitor.group("tour", self.tour, "the order of clusters");
+    visitor.field("footprint_margin_m", self.footprint_margin_m,
+                  "by which the footprint is grown for planning: errors of map, pose and tracking",
+                  config::between(0.0, 0.5));
     visitor.field("start_clearance_m", self.start_clearance_m,
                   "a disc of this radius around the start is declared free: the camera never sees it",
                   config::between(0.0, 5.0));
@@ -85,6 +89,7 @@ struct ExplorerStatus {
   int clusters = 0;               ///< of the newest tour
   double left_s = -1;             ///< that it will take; negative if unknown
   int tours = 0;                  ///< planned so far
+  int recoveries = 0;             ///< ways out of where it was stuck or boxed in
   int assumed_free = 0;           ///< how often the robot was boxed in by unknown ground and assumed it to be free
   bool done = false;
   std::string activity;

@@ -25,7 +25,7 @@ class LoopTask : public Task {
       return std::nullopt;
     }
     driving_ = true;
-    return PathRequest{ordered_, std::nullopt};
+    return PathRequest{ordered_, std::nullopt, false};
   }
 
   void resume(const Pose2& pose, const DriveState& drive) override {
@@ -69,7 +69,7 @@ std::optional<PathRequest> ExploreTask::step(Time now, const Pose2& pose, const 
   const ExplorerOrder order = explorer_.step(now, pose, drive.arrived, blocked);
   switch (order.kind) {
     case ExplorerOrder::Kind::kDrive:
-      return PathRequest{order.piece.points_m, order.piece.end_heading_rad};
+      return PathRequest{order.piece.points_m, order.piece.end_heading_rad, order.piece.backwards};
     case ExplorerOrder::Kind::kStop:
       return PathRequest{};
     case ExplorerOrder::Kind::kGoOn:

@@ -21,6 +21,7 @@ namespace arpent::planning {
 struct PathRequest {
   std::vector<Eigen::Vector2d> points_m;  ///< empty: stop
   std::optional<double> goal_heading_rad;
+  bool backwards = false;
 };
 
 /// How far the tracker is on the path that was ordered last.

@@ -24,6 +24,7 @@ namespace arpent {
 namespace {
 
 constexpr Duration kCycle = std::chrono::milliseconds(100);
+constexpr double kBackwardsMps = 0.2;
 constexpr int kCyclesPerReport = 10;
 constexpr int kCyclesPerRequest = 10;
 /// Depth that falls this far behind the newest depth without its pose is passed over.
@@ -223,10 +224,15 @@ struct MissionProcess::State {
   }
 
   void order(const planning::PathRequest& request) {
-    left_m = request.points_m.empty() ? drive_state().remaining_m : planning::length_m(request.points_m);
-    publish(bus, channels::kPath,
-            planning::to_wire(planning::PathOrder{pose ? pose->stamp : clock.now(), ++path_sequence, config.map_frame,
-                                                  request.points_m, request.goal_heading_rad, 0}));
+    planning::PathOrder path;
+    path.stamp = pose ? pose->stamp : clock.now();
+    path.sequence = ++path_sequence;
+    path.frame = config.map_frame;
+    path.points_m = request.points_m;
+    path.backwards = request.backwards;
+    path.goal_heading_rad = request.goal_heading_rad;
+    path.max_speed_mps = request.backwards ? kBackwardsMps : 0;
+    publish(bus, channels::kPath, planning::to_wire(path));
   }
 
   void stop() {

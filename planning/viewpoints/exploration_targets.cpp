@@ -21,6 +21,8 @@ using mapping::UnknownRule;
 constexpr double kAnyReachM = std::numeric_limits<double>::infinity();
 /// A look is taken at a viewpoint if it is within so much of its heading.
 constexpr double kAtHeadingRad = 0.26;
+/// Viewpoints that complete nothing in two visits will not in a third.
+constexpr int kVisits = 2;
 
 /// Viewpoints of the `thesis` preset, and which elements have none.
 Cover generate_as_printed(const Sight& sight, const FreeSpace& free_space, const Pose2& robot,
@@ -112,6 +114,8 @@ struct ExplorationTargets::State {
   /// What looks promised to voxels that are still unknown, in weights of W_th.
   std::unordered_map<VoxelIndex, double, mapping::BlockHash> promised;
   VoxelSet given_up;
+  /// How often an element was still incomplete after all looks of a viewpoint meant for it.
+  std::unordered_map<VoxelIndex, int, mapping::BlockHash> visits;
   std::vector<Cluster> last;
   int next_id = 0;
 
@@ -155,6 +159,14 @@ void ExplorationTargets::note_look(const TsdfMap& map, const Pose2& pose) {
     double& promised = state_->promised[unknown.voxel];
     promised += weight / map.params().known_weight;
     if (promised >= state_->params.give_up_factor) state_->given_up.insert(unknown.voxel);
+  }
+}
+
+void ExplorationTargets::note_visit(const TsdfMap& map, const Viewpoint& viewpoint) {
+  for (const VoxelIndex& element : viewpoint.elements) {
+    if (!state_->surface.contains(element) || ++state_->visits[element] < kVisits) continue;
+    const auto unknown = state_->surface.unknown_beside(element, map);
+    state_->given_up.insert(unknown.begin(), unknown.end());
   }
 }
 

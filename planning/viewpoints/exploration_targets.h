@@ -49,6 +49,10 @@ class ExplorationTargets {
   /// ever.
   void note_look(const mapping::TsdfMap& map, const Pose2& pose);
 
+  /// Notes that all looks which `viewpoint` is meant for were taken there. Elements that are still incomplete after a
+  /// second time are given up: below the sensing limit, whatever was promised.
+  void note_visit(const mapping::TsdfMap& map, const Viewpoint& viewpoint);
+
   /// Clusters and remaining elements for a robot at `robot`. A cluster that has at least half of its elements in common
   /// with one of the last plan() keeps its id, others get new ones; the same history gives the same ids. `map` is the
   /// one of the last update().

@@ -15,7 +15,7 @@ struct DepthNoise {
   double focal_px = 377;
   double baseline_m = 0.26;
   double min_range_m = 0.3;
-  double max_range_m = 5.0;
+  double max_range_m = 40.0;  ///< beyond the range of surfaces (Table 5.3): it tells what is free
 };
 
 /// Depth along the optical axis and its standard deviation; both 0 where nothing is measured.

@@ -174,7 +174,6 @@ struct SimProcess::State {
     noise.focal_px = camera.fx_px;
     noise.baseline_m = rig.calibration.T_right_left.translation().norm();
     noise.min_range_m = rig.config.min_range_m;
-    noise.max_range_m = rig.config.max_range_m;
     const cv::Mat1f exact_m = take(left, rig.calibration.T_body_left, 0).depth_m;
     const sim::NoisyDepth noisy =
         sim::sense_depth(exact_m, noise, seed_of(config.seed, 16 + static_cast<std::uint64_t>(pair)));

@@ -68,7 +68,7 @@ std::vector<std::pair<cv::Mat, std::string>> depth_panels(const ReplayInput& inp
   const stereo::Rectifier rectifier(load_rig(input.rig_file).calibration);
   const auto matcher = stereo::make_matcher(input.config.depth.matcher);
   const std::size_t count = input.pairs.size();
-  const double near_m = input.config.depth.min_range_m, far_m = input.config.depth.max_range_m;
+  const double near_m = input.config.depth.min_range_m, far_m = std::min(input.config.depth.max_range_m, input.config.mapping.tsdf.max_range_m);
   for (const auto& pair :
        load_pairs(input, [&](std::size_t i, Time) { return i == count / 4 || i == 3 * count / 4; })) {
     if (pair.left.cols != rectifier.stereo().camera.width_px && !rectifier.is_identity()) continue;

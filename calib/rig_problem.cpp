@@ -118,9 +118,9 @@ class Problem {
     for (double* block : camera_blocks_) solver.linear_solver_ordering->AddElementToGroup(block, 1);
     if (options.fix_cameras) solver.linear_solver_ordering.reset();
     solver.max_num_iterations = options.max_iterations;
-    solver.function_tolerance = 1e-12;
-    solver.parameter_tolerance = 1e-12;
-    solver.gradient_tolerance = 1e-12;
+    solver.function_tolerance = 1e-16;
+    solver.parameter_tolerance = 1e-16;
+    solver.gradient_tolerance = 1e-16;
     solver.num_threads = 1;
     solver.logging_type = ceres::SILENT;
     ceres::Solver::Summary summary;

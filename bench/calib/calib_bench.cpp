@@ -3,6 +3,7 @@
 //
 // bench `calib`: calibration against OpenCV's on its own chessboard set, boards found in public pictures, errors and
 // honesty against simulated rigs, and what forty pairs cost.
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -11,10 +12,12 @@
 #include "bench/calib/rows.h"
 #include "bench/harness.h"
 #include "calib/allan.h"
+#include "calib/drive.h"
 #include "calib/quality.h"
 #include "calib/stereo.h"
 #include "tests/calib/board_picture.h"
 #include "tests/calib/imu_noise.h"
+#include "tests/calib/simulated_drive.h"
 #include "tests/calib/simulated_views.h"
 
 namespace arpent {
@@ -103,6 +106,29 @@ void measure_imu(bench::Report& report) {
   report.add("imu.bias_instability_error_percent", bench::median(bias_percent), "%", "bar <= 15");
 }
 
+/// Wheels by odometry, the camera's place by tags; poses of a simulated drive of two minutes, ten seeds.
+void measure_drives(bench::Report& report) {
+  const calib::DriveTruth truth;
+  std::vector<double> wheels_percent, offset_ms, yaw_deg, xy_mm;
+  for (std::uint32_t seed = 0; seed < 10; ++seed) {
+    const auto wheels =
+        calib::error_of(calib::calibrate_drive(calib::simulate_drive(truth, calib::CameraMotion::kSteps, seed)), truth);
+    wheels_percent.push_back(100 * std::max({std::abs(wheels[calib::kLeftScale]) / truth.left_scale,
+                                             std::abs(wheels[calib::kRightScale]) / truth.right_scale,
+                                             std::abs(wheels[calib::kTrack]) / truth.track_m}));
+    offset_ms.push_back(1e3 * std::abs(wheels[calib::kTimeOffset]));
+    const auto mount =
+        calib::error_of(calib::calibrate_drive(calib::simulate_drive(truth, calib::CameraMotion::kPoses, seed)), truth);
+    yaw_deg.push_back(std::abs(mount[calib::kMountYaw]) * 180 / M_PI);
+    xy_mm.push_back(1e3 * std::hypot(mount[calib::kMountX], mount[calib::kMountY]));
+  }
+  report.add("wheels.error_percent", bench::median(wheels_percent), "%",
+             "bar <= 0.3; worst of both scales and the track; odometry, 10 seeds");
+  report.add("wheels.time_offset_ms", bench::median(offset_ms), "ms", "bar <= 2");
+  report.add("body.yaw_error_deg", bench::median(yaw_deg), "deg", "bar <= 0.1; poses of the tag cube, 10 seeds");
+  report.add("body.xy_error_mm", bench::median(xy_mm), "mm", "bar <= 5");
+}
+
 void body(bench::Report& report) {
   cv::setNumThreads(1);
   if (bench::data_dir().empty()) {
@@ -111,6 +137,7 @@ void body(bench::Report& report) {
     bench::add_chessboard_rows(report, fs::path(bench::data_dir()) / "stereo/chessboard");
     bench::add_apriltag_rows(report, fs::path(bench::data_dir()) / "stereo/apriltag");
   }
+  measure_drives(report);
   measure_imu(report);
   measure_time(report);
   measure_simulated(report);

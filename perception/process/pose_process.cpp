@@ -65,6 +65,7 @@ struct PoseProcess::State {
   }
 
   void on_wheels(const wheel_state_t& message) {
+    if (message.utime == 0) return bus.health().count(channels::kWheelState, "silent");  // nothing measured yet
     const Time stamp = from_utime(message.utime);
     if (newest_wheels == stamp) return on_unheard();
     if (!take(channels::kWheelState, message)) return;

@@ -23,7 +23,29 @@ using namespace std::chrono_literals;
 constexpr int kMaxEnds = 3;
 constexpr auto kCrashLoopWindow = 10s;
 
+/// Holds all signals back while it lives, so that none reaches a child before it has handlers of its own.
+class SignalsHeld {
+ public:
+  SignalsHeld() {
+    sigset_t all;
+    sigfillset(&all);
+    pthread_sigmask(SIG_SETMASK, &all, &before_);
+  }
+  ~SignalsHeld() { pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
+  SignalsHeld(const SignalsHeld&) = delete;
+  SignalsHeld& operator=(const SignalsHeld&) = delete;
+
+ private:
+  sigset_t before_{};
+};
+
+/// A process group of its own: Ctrl-C on the terminal reaches only the launcher, which then stops all in order.
 [[noreturn]] void become(const ProcessSpec& spec, int output_fd, pid_t parent) {
+  setpgid(0, 0);
+  for (const int number : {SIGINT, SIGTERM, SIGHUP, SIGPIPE}) signal(number, SIG_DFL);
+  sigset_t none;
+  sigemptyset(&none);
+  pthread_sigmask(SIG_SETMASK, &none, nullptr);
   prctl(PR_SET_PDEATHSIG, SIGTERM);
   if (getppid() != parent) _exit(127);
   dup2(output_fd, STDOUT_FILENO);
@@ -59,6 +81,7 @@ void Launcher::spawn(Child& child) {
   int ends[2];
   if (pipe2(ends, O_CLOEXEC) != 0) throw InputError("cannot start " + child.spec.name + ": no pipe");
   const pid_t parent = getpid();
+  const SignalsHeld held;
   const pid_t pid = fork();
   if (pid == 0) become(child.spec, ends[1], parent);
   close(ends[1]);
@@ -144,6 +167,10 @@ bool Launcher::running(const std::string& name) const {
                      [&](const Child& child) { return child.spec.name == name && child.pid > 0; });
 }
 
+void Launcher::restart_no_more() {
+  for (Child& child : children_) child.spec.restart = false;
+}
+
 bool Launcher::stop(const std::string& name, int patience_ms) {
   bool willing = true;
   for (Child& child : children_) {
@@ -165,7 +192,7 @@ bool Launcher::stop(const std::string& name, int patience_ms) {
 
 int Launcher::stop_all(int patience_ms) {
   int killed = 0;
-  for (Child& child : children_) child.spec.restart = false;
+  restart_no_more();
   for (auto child = children_.rbegin(); child != children_.rend(); ++child) {
     if (child->pid > 0 && !stop(child->spec.name, patience_ms)) ++killed;
   }

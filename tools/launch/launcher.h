@@ -44,10 +44,13 @@ class Launcher {
   Launcher(const Launcher&) = delete;
   Launcher& operator=(const Launcher&) = delete;
 
-  /// Children die with the launcher. Throws InputError if the executable is not there.
+  /// Children die with the launcher; Ctrl-C on the terminal does not reach them. Throws InputError if the executable is
+  /// not there.
   void start(const ProcessSpec& spec);
   /// Gathers output for at most `wait_ms`, reaps what ended and restarts it if wanted.
   void poll(int wait_ms);
+  /// From now on what ends stays ended: for an orderly end, one after the other.
+  void restart_no_more();
   /// Asks every process to end (SIGTERM, in reverse order of start), kills what is still there after `patience_ms`.
   /// Returns the number killed.
   int stop_all(int patience_ms);

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <arpent/health_t.hpp>
 #include <chrono>
 #include <csignal>
@@ -25,6 +26,10 @@ using Steady = std::chrono::steady_clock;
 using namespace std::chrono_literals;
 
 constexpr std::size_t kProgressSteps = 1000;
+constexpr auto kComeUp = 30s;
+/// The mission's own limit ends it; this much later it is ended from outside.
+constexpr double kPatienceS = 30;
+constexpr char kLogger[] = "lcm-logger";
 
 volatile std::sig_atomic_t g_interrupted = 0;  // set by the signal handler only
 
@@ -35,7 +40,7 @@ class Ear {
     subscribe<health_t>(bus_, channels::kHealth, {.queue_capacity = 100}, [this](const health_t& health) {
       ProcessFigures& figures = figures_[health.process];
       for (const auto& counter : health.counters) figures.counters[counter.name] = counter.value;
-      if (!health.message.empty()) figures.messages.emplace_back(health.message, 1);
+      if (!health.message.empty()) count_message(figures, health.message);
     });
     subscribe<mission_state_t>(bus_, channels::kMissionState, {}, [this](const mission_state_t& message) {
       if (const auto report = planning::from_wire(message)) report_ = *report;
@@ -58,6 +63,16 @@ class Ear {
   }
 
  private:
+  static void count_message(ProcessFigures& figures, const std::string& text) {
+    const auto known = std::find_if(figures.messages.begin(), figures.messages.end(),
+                                    [&](const auto& message) { return message.first == text; });
+    if (known == figures.messages.end()) {
+      figures.messages.emplace_back(text, 1);
+    } else {
+      ++known->second;
+    }
+  }
+
   LcmBus bus_;
   std::map<std::string, ProcessFigures> figures_;
   std::optional<planning::MissionReport> report_;
@@ -83,22 +98,98 @@ std::vector<Member> members_of(const MissionSpec& spec) {
   return members;
 }
 
-/// A process that is given up ends the mission: nobody else does its work.
-void watch(Launcher& launcher, const fs::path& launch_log) {
-  launcher.poll(10);
-  for (const Launcher::Child& child : launcher.children()) {
-    if (child.gave_up) throw InputError(child.spec.name + " ends again and again; see " + launch_log.string());
+/// The run's processes, from their start to their end.
+class LiveRun {
+ public:
+  LiveRun(const MissionSpec& spec, const MissionOptions& options, const std::string& url)
+      : log_(options.out / "launch.log"), launcher_(log_), members_(members_of(spec)), ear_(url) {
+    raw_ = options.out / "live.lcmlog";
+    std::error_code ignored;
+    fs::remove(raw_, ignored);
+    launcher_.start({kLogger, {kLogger, "--lcm-url=" + url, "-q", "-f", raw_.string()}, false});
+    for (const Member& member : members_) {
+      const fs::path file = options.out / (member.name + ".yaml");
+      atomic_write(file, member.yaml);
+      // A world that starts anew would put the robot back: the end of the simulator is the end of the run.
+      const bool restart = member.name != SimProcess::kName;
+      launcher_.start({member.name,
+                       {(options.bin_folder / member.name).string(), "--config", file.string(), "--lcm-url", url},
+                       restart});
+    }
   }
-}
 
-void wait_until_all_speak(Ear& ear, Launcher& launcher, std::size_t count, const fs::path& launch_log) {
-  const auto limit = Steady::now() + 30s;
-  while (ear.figures().size() < count && Steady::now() < limit && !interrupted()) {
-    watch(launcher, launch_log);
-    ear.listen(100ms);
+  /// Waits until every process speaks; false if interrupted.
+  bool come_up() {
+    const auto limit = Steady::now() + kComeUp;
+    while (!silent().empty() && !interrupted()) {
+      if (Steady::now() > limit) throw InputError(silent() + " does not come up; see " + log_.string());
+      listen(100ms);
+    }
+    return !interrupted();
   }
-  if (ear.figures().size() < count) throw InputError("not all processes came up; see " + launch_log.string());
-}
+
+  /// Starts the mission and sees it to its end, or as far as it comes in `limit_s`.
+  void drive(double limit_s, bool progress) {
+    const auto limit = Steady::now() + std::chrono::duration<double>(limit_s);
+    while (!ear_.ended() && !interrupted()) {
+      if (Steady::now() > limit) throw InputError("the mission does not end; see " + log_.string());
+      // A start can be lost on the way; a second one is refused.
+      if (!ear_.report() || ear_.report()->state == planning::MissionState::kWaiting) ear_.send_start();
+      listen(200ms);
+      if (ear_.report() && progress) {
+        show_progress(ear_.report()->activity, static_cast<std::size_t>(ear_.report()->progress * kProgressSteps),
+                      kProgressSteps);
+      }
+    }
+  }
+
+  /// The mission first, the simulator last, then the logger, which has heard all of them.
+  void end() {
+    ear_.listen(1000ms);
+    launcher_.restart_no_more();
+    for (auto member = members_.rbegin(); member != members_.rend(); ++member) launcher_.stop(member->name, 20000);
+    ear_.listen(300ms);
+    launcher_.stop_all(5000);
+  }
+
+  [[nodiscard]] const fs::path& raw_log() const { return raw_; }
+  /// What the processes said of themselves, and how often one had to be started again.
+  [[nodiscard]] std::map<std::string, ProcessFigures> figures() const {
+    auto figures = ear_.figures();
+    for (const Launcher::Child& child : launcher_.children()) {
+      if (child.restarts > 0)
+        figures[child.spec.name].messages.emplace_back("ended and was started again", child.restarts);
+    }
+    return figures;
+  }
+
+ private:
+  /// A process that nobody starts again ends the run.
+  void watch() {
+    launcher_.poll(10);
+    for (const Launcher::Child& child : launcher_.children()) {
+      if (child.gave_up || (child.pid < 0 && !child.spec.restart)) {
+        throw InputError(fmt::format("{} ended with code {}; see {}", child.spec.name, child.exit_code, log_.string()));
+      }
+    }
+  }
+  void listen(std::chrono::milliseconds time) {
+    watch();
+    ear_.listen(time);
+  }
+  /// The first process that has not been heard.
+  [[nodiscard]] std::string silent() const {
+    for (const Member& member : members_) {
+      if (ear_.figures().count(member.name) == 0) return member.name;
+    }
+    return "";
+  }
+
+  fs::path log_, raw_;
+  Launcher launcher_;
+  std::vector<Member> members_;
+  Ear ear_;
+};
 
 /// The log of lcm-logger, with the CONFIG events before it and images compressed.
 void finish_log(const fs::path& raw, MissionResult& result, const MissionSpec& spec) {
@@ -128,50 +219,29 @@ bool interrupted() {
 
 MissionResult run_live_mission(const MissionSpec& given, const MissionOptions& options) {
   const auto wall_start = Steady::now();
-  if (const std::string shared = enter_private_network(); !shared.empty()) std::fprintf(stderr, "%s\n", shared.c_str());
+  (void)interrupted();  // from here on Ctrl-C is an orderly end
+  if (const std::string shared = enter_private_network(); !shared.empty()) {
+    std::fprintf(stderr, "mission: no network of its own (%s): the port is its own\n", shared.c_str());
+  }
   const std::string url = fmt::format("udpm://239.255.76.67:{}?ttl=0&recv_buf_size=4194304", private_port());
   MissionSpec spec = given;
   spec.mapping.mesh_file = fs::absolute(options.out / "live_mesh.ply");
-  const fs::path raw = options.out / "live.lcmlog";
   std::error_code ignored;
-  fs::remove(raw, ignored);
   fs::remove(spec.mapping.mesh_file, ignored);
-  const fs::path launch_log = options.out / "launch.log";
-  Launcher launcher(launch_log);
-  Ear ear(url);
-  launcher.start({"logger", {"lcm-logger", "--lcm-url=" + url, "-f", raw.string()}, false});
-  const std::vector<Member> members = members_of(spec);
-  for (const Member& member : members) {
-    const fs::path file = options.out / (member.name + ".yaml");
-    atomic_write(file, member.yaml);
-    launcher.start({member.name,
-                    {(options.bin_folder / member.name).string(), "--config", file.string(), "--lcm-url", url},
-                    true});
-  }
-  wait_until_all_speak(ear, launcher, members.size(), launch_log);
-  ear.send_start();
-  while (!ear.ended() && !interrupted()) {
-    watch(launcher, launch_log);
-    ear.listen(200ms);
-    if (ear.report() && options.progress) {
-      show_progress(ear.report()->activity, static_cast<std::size_t>(ear.report()->progress * kProgressSteps),
-                    kProgressSteps);
-    }
-  }
-  ear.listen(1000ms);
-  for (auto member = members.rbegin(); member != members.rend(); ++member) launcher.stop(member->name, 20000);
-  ear.listen(300ms);
-  launcher.stop_all(5000);
+  LiveRun run(spec, options, url);
+  if (run.come_up()) run.drive(spec.mission.max_time_s + kPatienceS, options.progress);
+  run.end();
 
   MissionResult result;
   result.log = options.out / "mission.lcmlog";
-  finish_log(raw, result, spec);
-  result.processes = ear.figures();
+  finish_log(run.raw_log(), result, spec);
+  result.processes = run.figures();
   const auto contacts = result.processes[SimProcess::kName].counters.find("WORLD.collision");
   if (contacts != result.processes[SimProcess::kName].counters.end()) {
     result.collisions = static_cast<int>(contacts->second);
   }
   if (fs::exists(spec.mapping.mesh_file)) result.mesh = read_ply(spec.mapping.mesh_file);
+  fs::remove(spec.mapping.mesh_file, ignored);
   result.wall_s = std::chrono::duration<double>(Steady::now() - wall_start).count();
   return result;
 }

@@ -293,6 +293,24 @@ TEST_F(PoseProcessTest, GarbageIsCountedAndChangesNothing) {
   EXPECT_EQ(health_->counter(channels::kFrameAlignment, "invalid"), 1);
 }
 
+/// The driver publishes its state from its first cycle on, long before a base answers.
+TEST_F(PoseProcessTest, StatesOfABaseThatHasNotBeenHeardGiveNoPose) {
+  const Drive drive = fusion::make_drive({.duration_s = 4});
+  play(drive);
+  executor_->run_until_idle();
+  const auto reference = bytes_;
+  start({});
+  wheel_state_t unheard = to_message(drive.wheels[0]);
+  unheard.utime = 0;
+  unheard.heard = 0;
+  for (int i = 10; i > 0; --i) inject(drive.wheels[0].stamp - Duration(20000 * i), channels::kWheelState, unheard);
+  play(drive);
+  executor_->run_until_idle();
+  EXPECT_EQ(bytes_, reference);
+  EXPECT_EQ(health_->counter(channels::kWheelState, "silent"), 10);
+  EXPECT_EQ(health_->counter(channels::kImu, "invalid"), 0);
+}
+
 TEST_F(PoseProcessTest, WithoutAnImuInTheConfigWheelsGiveTheTurn) {
   PoseConfig config;
   config.fusion.gyro.used = false;

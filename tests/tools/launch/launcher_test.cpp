@@ -3,6 +3,7 @@
 #include "tools/launch/launcher.h"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <fstream>
 #include <sstream>
@@ -61,6 +62,32 @@ TEST_F(LauncherTest, StopsGentlyAndKillsOnlyWhatDoesNotListen) {
   EXPECT_FALSE(launcher.running("gentle"));
   EXPECT_FALSE(launcher.running("deaf"));
   EXPECT_NE(log().find("bye"), std::string::npos);
+}
+
+/// A shell that stops at once sends SIGTERM before the child has become its program.
+TEST_F(LauncherTest, WhatHasJustBeenStartedStopsAsGently) {
+  for (int i = 0; i < 20; ++i) {
+    Launcher launcher(log_file_);
+    launcher.start({"sleeper", {"/bin/sleep", "30"}, true});
+    EXPECT_TRUE(launcher.stop("sleeper", 5000));
+  }
+}
+
+TEST_F(LauncherTest, ChildrenDoNotHearTheTerminal) {
+  Launcher launcher(log_file_);
+  launcher.start({"child", {"/bin/sh", "-c", "echo ready; sleep 30"}, true});
+  poll_until(launcher, [&] { return log().find("ready") != std::string::npos; });
+  EXPECT_EQ(getpgid(launcher.children()[0].pid), launcher.children()[0].pid);
+}
+
+TEST_F(LauncherTest, AtAnOrderlyEndNothingIsStartedAgain) {
+  Launcher launcher(log_file_);
+  launcher.start({"brief", {"/bin/sh", "-c", "sleep 0.1"}, true});
+  launcher.start({"long", {"/bin/sleep", "30"}, true});
+  launcher.restart_no_more();
+  poll_until(launcher, [&] { return !launcher.running("brief"); });
+  EXPECT_TRUE(launcher.stop("long", 5000));
+  EXPECT_EQ(launcher.children()[0].restarts, 0);
 }
 
 TEST_F(LauncherTest, AnExecutableThatIsNotThereIsOneClearError) {

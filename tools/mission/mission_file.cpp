@@ -54,6 +54,7 @@ MissionSpec load_mission(const std::filesystem::path& file, const MissionOverrid
   auto robot = config::load<RobotConfig>(spec.robot);
   robot.rig = std::filesystem::absolute(robot.rig);
   const sim::World world = sim::load_world(spec.world);
+  (void)sim::start_of(world, spec.start);  // live it would be the simulator that finds it out
   spec.sim.world = spec.world;
   spec.sim.robot = spec.base.robot = spec.tracker.robot = spec.robot;
   spec.sim.start = spec.start;

@@ -28,7 +28,7 @@ std::string service(const ProcessSpec& process, const std::string& folder) {
          "\nWorkingDirectory=" + folder + "\nRestart=" + (process.restart ? "always" : "no") +
          "\nRestartSec=100ms\nTimeoutStopSec=20\n"
          // For base_driver_process, which runs under SCHED_FIFO with locked memory.
-         "LimitRTPRIO=80\nLimitMEMLOCK=infinity\n\n[Install]\nWantedBy=" +
+         "LimitRTPRIO=90\nLimitMEMLOCK=infinity\n\n[Install]\nWantedBy=" +
          kTarget + "\n";
 }
 

@@ -33,8 +33,8 @@ using Steady = std::chrono::steady_clock;
 using camera::GvServer;
 
 constexpr const char* kAddresses[] = {"10.88.0.1", "10.88.0.2"};
-constexpr double kRateHz = 10;
-constexpr std::int64_t kPeriodUs = 100'000;
+constexpr double kRateHz = 5;
+constexpr std::int64_t kPeriodUs = 200'000;
 constexpr char kRobot[] = ARPENT_SOURCE_DIR "/config/robots/wifibot.yaml";
 constexpr char kWorld[] = ARPENT_SOURCE_DIR "/config/worlds/test_arena.yaml";
 
@@ -107,7 +107,7 @@ class ServedCameras : public testing::Test {
   }
   void unplug() { servers_[0].reset(), servers_[1].reset(); }
   bool run_until(const std::function<bool()>& done) {
-    const auto until = Steady::now() + 20s;
+    const auto until = Steady::now() + 50s;
     while (!done()) {
       if (Steady::now() > until) return false;
       bus_->run_for(2ms);
@@ -142,7 +142,7 @@ TEST_F(ServedCameras, ThePairsOfTheSimulatorComeBackByteForByte) {
     };
   };
   start(serve(true), serve(false));
-  ASSERT_TRUE(run_until([this] { return pairs_.size() >= 15; }));
+  ASSERT_TRUE(run_until([this] { return pairs_.size() >= 12; }));
   for (std::size_t i = 0; i < pairs_.size(); ++i) {
     const auto found = std::find_if(rendered.begin(), rendered.end(),
                                     [&](const stereo::StereoPair& r) { return same(r.left, pairs_[i].left); });

@@ -193,8 +193,10 @@ TEST_F(ServedCameras, TheDriversExposureIsTheRenderersAndTravelsWithThePair) {
   const double wanted = config_.exposure.target_level;
   const bool settles =
       run_until([&] { return pairs_.size() >= 5 && std::abs(level(pairs_.back().left) - wanted) < 0.15 * wanted; });
+  const std::size_t settled_at = pairs_.size();
+  const bool goes_on = run_until([&] { return pairs_.size() >= settled_at + 5; });
   unplug();  // their threads look at what stands above
-  ASSERT_TRUE(settles);
+  ASSERT_TRUE(settles && goes_on);
   EXPECT_LT(level(pairs_.front().left), 0.7 * wanted);
   int settled = 0;
   for (std::size_t i = 0; i < pairs_.size(); ++i) {
@@ -207,7 +209,7 @@ TEST_F(ServedCameras, TheDriversExposureIsTheRenderersAndTravelsWithThePair) {
     if (found->second.exposure_us != right.exposure_us) continue;
     settled += exposures_us_[i] == found->second.exposure_us ? 1 : 0;
   }
-  EXPECT_GE(settled, static_cast<int>(pairs_.size()) / 2);
+  EXPECT_GE(settled, 3);
   EXPECT_EQ(exposures_us_.front(), 400);
 }
 

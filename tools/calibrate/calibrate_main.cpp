@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: The arpent authors
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// `./arpent calibrate WHAT`: boards to print, cameras, inertial units (docs/calibration.md).
+// `./arpent calibrate WHAT`: boards to print, cameras, inertial units, wheels, the camera's place
+// (docs/calibration.md).
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <filesystem>
@@ -12,6 +13,7 @@
 #include "common/atomic_file.h"
 #include "common/config/rig.h"
 #include "common/error.h"
+#include "tools/calibrate/drive_report.h"
 #include "tools/calibrate/files.h"
 #include "tools/calibrate/imu_log.h"
 #include "tools/calibrate/stereo_report.h"
@@ -27,6 +29,7 @@ struct Flags {
   std::vector<int> size{0, 0};
   std::size_t most_views = 80;
   bool force = false;
+  tools::DriveSources drive;
 };
 
 /// Width and height [m].
@@ -107,6 +110,20 @@ int measure_imu(const Flags& flags) {
   return 0;
 }
 
+int calibrate_drive(tools::DriveSubject subject, Flags flags) {
+  cv::setNumThreads(1);
+  flags.drive.log = flags.log;
+  const tools::DriveLog drive =
+      tools::load_drive(flags.drive, [](auto done, auto total) { tools::show_progress("log", done, total); });
+  const calib::DriveCalibration found = calib::calibrate_drive(drive.input);
+  std::printf("%s", tools::summarize(subject, drive, found).c_str());
+  tools::write_drive_files(subject, drive, found, flags.out);
+  if (!flags.json.empty()) atomic_write(flags.json, tools::to_json(subject, drive, found).dump(1) + "\n");
+  std::printf("%s: %s, report.html\n", flags.out.c_str(),
+              subject == tools::DriveSubject::kWheels ? "wheels.yaml" : "rig.yaml");
+  return 0;
+}
+
 void add_target(CLI::App& app, Flags& flags) {
   CLI::App* sub = app.add_subcommand("target", "print a board, true to scale");
   sub->add_option("--target", flags.target, "target.yaml as Kalibr's; tagBorder: 1 or 2 (default)")->required();
@@ -144,6 +161,21 @@ void add_imu(CLI::App& app, Flags& flags) {
   sub->add_option("--out", flags.out, "folder for imu.yaml (Kalibr's), allan.csv, report.html")->required();
 }
 
+void add_drive(CLI::App& app, const char* name, const char* what, const char* out, Flags& flags) {
+  CLI::App* sub = app.add_subcommand(name, what);
+  sub->add_option("--log", flags.log, "LCM log of a drive: WHEEL_STATE, and ODOMETRY, TAG_OBSERVATION or STEREO_IMAGES")
+      ->required();
+  sub->add_option("--out", flags.out, out)->required();
+  sub->add_option("--json", flags.json, "write all figures to this file");
+  sub->add_option("--robot", flags.drive.robot, "robot file, if the log brings none");
+  sub->add_option("--rig", flags.drive.rig, "rig file, if the log brings none");
+  sub->add_option("--tags", flags.drive.tags, "configuration of tag_process with the cube, if the log brings none");
+  sub->add_option("--by", flags.drive.by,
+                  "the camera's motion: by tags, or by odometry; auto: tags, if they are mostly seen")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"auto", "tags", "odometry"}));
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -154,8 +186,13 @@ int main(int argc, char** argv) {
   add_target(app, flags);
   add_stereo(app, flags);
   add_imu(app, flags);
+  add_drive(app, "wheels", "scales, track and clock of the wheels from a drive", "folder for wheels.yaml, report.html",
+            flags);
+  add_drive(app, "body", "the camera's place on the body from a drive", "folder for rig.yaml, report.html", flags);
   try {
     app.parse(argc, argv);
+    if (app.got_subcommand("wheels")) return calibrate_drive(tools::DriveSubject::kWheels, flags);
+    if (app.got_subcommand("body")) return calibrate_drive(tools::DriveSubject::kBody, flags);
     if (app.got_subcommand("target")) return print_target(flags);
     return app.got_subcommand("imu") ? measure_imu(flags) : calibrate_cameras(flags);
   } catch (const CLI::ParseError& error) {

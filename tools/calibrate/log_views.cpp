@@ -9,6 +9,7 @@
 #include "common/log/event_log.h"
 #include "perception/stereo/wire.h"
 #include "tools/calibrate/files.h"
+#include "tools/calibrate/motion_log.h"
 
 namespace arpent::tools {
 namespace {
@@ -25,10 +26,6 @@ double moved_px(const calib::Corners& a, const calib::Corners& b) {
     n += 1;
   }
   return n > 0 ? sum / n : 1e9;
-}
-
-bool is_images_channel(const std::string& channel) {
-  return channel == channels::kStereoImages || channel.ends_with(std::string("/") + channels::kStereoImages);
 }
 
 /// `count` of the views, spread evenly.
@@ -49,7 +46,7 @@ calib::BoardViews views_from_log(const calib::Target& target, const std::filesys
   calib::BoardViews views{target, {{"left", 0, 0}, {"right", 0, 0}}, {}};
   std::size_t pairs = 0;
   while (const auto event = reader.next()) {
-    if (!is_images_channel(event->channel)) continue;
+    if (!is_channel(event->channel, channels::kStereoImages)) continue;
     stereo_images_t message;
     if (message.decode(event->data.data(), 0, static_cast<int>(event->data.size())) < 0) continue;
     const auto pair = stereo::from_wire(message);

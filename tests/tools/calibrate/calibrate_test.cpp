@@ -2,14 +2,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/format.h>
 #include <gmock/gmock.h>
-#include <sys/wait.h>
 
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <random>
-#include <sstream>
 
 #include "common/channels.h"
 #include "common/config/rig.h"
@@ -20,6 +18,7 @@
 #include "perception/stereo/wire.h"
 #include "tests/calib/board_picture.h"
 #include "tests/calib/simulated_views.h"
+#include "tests/tools/calibrate/verb.h"
 #include "tools/calibrate/files.h"
 #include "tools/calibrate/imu_log.h"
 
@@ -29,25 +28,12 @@ namespace {
 namespace fs = std::filesystem;
 using testing::HasSubstr;
 
-class CalibrateVerb : public testing::Test {
+class CalibrateVerb : public VerbTest {
  protected:
+  CalibrateVerb() : VerbTest("calibrate_test") {}
   void SetUp() override {
-    folder_ = fs::temp_directory_path() / fmt::format("calibrate_test_{}", getpid());
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
+    VerbTest::SetUp();
     std::ofstream(folder_ / "target.yaml") << calib::to_yaml(calib::Target{});
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
-  /// Runs the verb; output and errors go to output_.
-  int run(const std::string& arguments) {
-    const std::string file = (folder_ / "output.txt").string();
-    const int status =
-        std::system(fmt::format("{}/arpent-calibrate {} > {} 2>&1", ARPENT_BIN_DIR, arguments, file).c_str());
-    std::stringstream text;
-    text << std::ifstream(file).rdbuf();
-    output_ = text.str();
-    return WEXITSTATUS(status);
   }
 
   void write_corners(const calib::BoardViews& views) const {
@@ -63,9 +49,6 @@ class CalibrateVerb : public testing::Test {
       }
     }
   }
-
-  fs::path folder_;
-  std::string output_;
 };
 
 TEST_F(CalibrateVerb, FromCornersWritesFilesThatTheStackReads) {

@@ -73,7 +73,8 @@ ImuTruth::ImuTruth() {
   T_cam_imu.translation() = Eigen::Vector3d(0.04, 0.06, -0.08);
 }
 
-CameraImuInput simulate_imu(const ImuTruth& truth, CameraMotion motion, Excitation excitation, std::uint32_t seed) {
+CameraImuInput simulate_imu(const ImuTruth& truth, CameraMotion motion, Excitation excitation, std::uint32_t seed,
+                            double camera_noise) {
   std::mt19937 random(seed);
   std::normal_distribution<double> normal;
   const auto noise = [&](double deviation) {
@@ -102,7 +103,7 @@ CameraImuInput simulate_imu(const ImuTruth& truth, CameraMotion motion, Excitati
     const double t_s = i / kCameraHz;
     const Pose T = hand.pose(t_s) * truth.T_cam_imu.inverse();
     Vector6d error;
-    const Eigen::Vector3d place_error = noise(place_m), turn_error = noise(turn_rad);
+    const Eigen::Vector3d place_error = noise(camera_noise * place_m), turn_error = noise(camera_noise * turn_rad);
     for (int k = 0; k < 3; ++k) error[k] = place_error[k], error[k + 3] = turn_error[k];
     const Pose seen = retract(poses || i == 0 ? T : Pose(last_seen * (last_true.inverse() * T)), error);
     input.camera.push_back({t_s, seen, variances.asDiagonal(), true});

@@ -21,9 +21,10 @@ struct ImuTruth {
 enum class Excitation { kAllAxes, kLevel };
 
 /// Twenty seconds; readings at 200 Hz, the camera at 10 Hz. kPoses: a board, 2 mm and 1 mrad; kSteps: odometry, 1 mm
-/// and 0.5 mrad a step. kLevel: on the ground, turns about the vertical alone.
+/// and 0.5 mrad a step. kLevel: on the ground, turns about the vertical alone. `camera_noise` scales what is said of
+/// the camera.
 [[nodiscard]] CameraImuInput simulate_imu(const ImuTruth& truth, CameraMotion motion, Excitation excitation,
-                                          std::uint32_t seed);
+                                          std::uint32_t seed, double camera_noise = 1);
 
 [[nodiscard]] double rotation_error_rad(const CameraImuCalibration& found, const ImuTruth& truth);
 

@@ -13,6 +13,7 @@
 #include "common/atomic_file.h"
 #include "common/config/rig.h"
 #include "common/error.h"
+#include "tools/calibrate/camera_imu_log.h"
 #include "tools/calibrate/drive_report.h"
 #include "tools/calibrate/files.h"
 #include "tools/calibrate/imu_log.h"
@@ -124,6 +125,20 @@ int calibrate_drive(tools::DriveSubject subject, Flags flags) {
   return 0;
 }
 
+int calibrate_camera_imu(const Flags& flags) {
+  cv::setNumThreads(1);
+  const tools::CameraImuLog log =
+      tools::load_camera_imu({flags.log, flags.drive.rig, flags.target},
+                             [](auto done, auto total) { tools::show_progress("log", done, total); });
+  const calib::CameraImuCalibration found = calib::calibrate_camera_imu(log.input);
+  std::printf("%s", tools::summarize(log, found).c_str());
+  tools::write_camera_imu_files(log, found, flags.out);
+  if (!flags.json.empty()) atomic_write(flags.json, tools::to_json(log, found).dump(1) + "\n");
+  std::printf("%s: camchain-imucam.yaml, report.html%s\n", flags.out.c_str(),
+              found.rotation_observed() ? ", imu_mount.yaml" : "");
+  return 0;
+}
+
 void add_target(CLI::App& app, Flags& flags) {
   CLI::App* sub = app.add_subcommand("target", "print a board, true to scale");
   sub->add_option("--target", flags.target, "target.yaml as Kalibr's; tagBorder: 1 or 2 (default)")->required();
@@ -176,6 +191,15 @@ void add_drive(CLI::App& app, const char* name, const char* what, const char* ou
       ->check(CLI::IsMember({"auto", "tags", "odometry"}));
 }
 
+void add_camera_imu(CLI::App& app, Flags& flags) {
+  CLI::App* sub = app.add_subcommand("camera-imu", "rotation, place and delay between camera and inertial unit");
+  sub->add_option("--log", flags.log, "LCM log of an excited motion: IMU, and ODOMETRY or STEREO_IMAGES")->required();
+  sub->add_option("--out", flags.out, "folder for camchain-imucam.yaml, imu_mount.yaml, report.html")->required();
+  sub->add_option("--target", flags.target, "target.yaml of a board in the pictures; else the odometry is used");
+  sub->add_option("--json", flags.json, "write all figures to this file");
+  sub->add_option("--rig", flags.drive.rig, "rig file, if the log brings none");
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -189,8 +213,10 @@ int main(int argc, char** argv) {
   add_drive(app, "wheels", "scales, track and clock of the wheels from a drive", "folder for wheels.yaml, report.html",
             flags);
   add_drive(app, "body", "the camera's place on the body from a drive", "folder for rig.yaml, report.html", flags);
+  add_camera_imu(app, flags);
   try {
     app.parse(argc, argv);
+    if (app.got_subcommand("camera-imu")) return calibrate_camera_imu(flags);
     if (app.got_subcommand("wheels")) return calibrate_drive(tools::DriveSubject::kWheels, flags);
     if (app.got_subcommand("body")) return calibrate_drive(tools::DriveSubject::kBody, flags);
     if (app.got_subcommand("target")) return print_target(flags);

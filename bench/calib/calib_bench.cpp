@@ -160,6 +160,7 @@ void body(bench::Report& report) {
   measure_imu(report);
   measure_time(report);
   measure_simulated(report);
+  bench::add_square_rows(report);
 }
 
 }  // namespace

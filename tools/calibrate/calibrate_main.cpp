@@ -72,14 +72,15 @@ calib::BoardViews load_views(const Flags& flags) {
   return views;
 }
 
-void write_calibration(const calib::Calibration& found, const fs::path& out) {
+void write_calibration(const calib::Calibration& found, const std::string& rig_file, const fs::path& out) {
   atomic_write(out / "camchain.yaml", calib::to_camchain_yaml(found.rig));
   if (found.rig.cameras.size() < 2 || !find_faults(calib::to_stereo(found.rig)).empty()) return;
   const StereoCalibration stereo = calib::to_stereo(found.rig);
-  if (stereo.left.distortion != DistortionModel::kEquidistant) {
-    atomic_write(out / "opencv.yaml", calib::to_opencv_yaml(stereo));
-  }
-  atomic_write(out / "rig.yaml", config::to_yaml(to_rig(stereo, "calibrated")));
+  atomic_write(out / "opencv.yaml", calib::to_opencv_yaml(stereo));
+  RigConfig before;
+  before.name = "calibrated";
+  if (!rig_file.empty()) before = load_rig(rig_file).config;
+  atomic_write(out / "rig.yaml", config::to_yaml(calib::to_rig_config(stereo, before)));
 }
 
 int calibrate_cameras(const Flags& flags) {
@@ -97,7 +98,7 @@ int calibrate_cameras(const Flags& flags) {
     std::printf("%s: only the report was written (--force writes the rest)\n", flags.out.c_str());
     return 1;
   }
-  write_calibration(found, flags.out);
+  write_calibration(found, flags.drive.rig, flags.out);
   std::printf("%s: camchain.yaml, report.html%s\n", flags.out.c_str(),
               found.rig.cameras.size() > 1 ? ", rig.yaml and more" : "");
   return 0;
@@ -167,6 +168,7 @@ void add_stereo(CLI::App& app, Flags& flags) {
   sub->add_option("--max-views", flags.most_views, "views taken from a log")
       ->capture_default_str()
       ->check(CLI::Range(4, 1000));
+  sub->add_option("--rig", flags.drive.rig, "rig file whose mounting, range and rate rig.yaml takes over");
   sub->add_flag("--force", flags.force, "write a calibration that is bad, too");
 }
 

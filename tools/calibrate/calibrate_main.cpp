@@ -11,12 +11,14 @@
 #include "calib/artwork.h"
 #include "calib/output.h"
 #include "common/atomic_file.h"
+#include "common/bus/lcm_bus.h"
 #include "common/config/rig.h"
 #include "common/error.h"
 #include "tools/calibrate/camera_imu_log.h"
 #include "tools/calibrate/drive_report.h"
 #include "tools/calibrate/files.h"
 #include "tools/calibrate/imu_log.h"
+#include "tools/calibrate/live_capture.h"
 #include "tools/calibrate/stereo_report.h"
 #include "tools/progress.h"
 
@@ -26,10 +28,11 @@ using namespace arpent;
 namespace fs = std::filesystem;
 
 struct Flags {
-  std::string target, pdf, page = "a4", images, corners, log, out, json, lens = "radtan";
+  std::string target, pdf, page = "a4", images, corners, log, out, json, lens = "radtan",
+                           lcm_url = arpent::kDefaultLcmUrl;
   std::vector<int> size{0, 0};
   std::size_t most_views = 80;
-  bool force = false;
+  bool force = false, live = false;
   tools::DriveSources drive;
 };
 
@@ -64,6 +67,7 @@ calib::BoardViews load_views(const Flags& flags) {
     return tools::views_from_log(target, flags.log, flags.most_views,
                                  [](auto done, auto total) { tools::show_progress("corners", done, total); });
   }
+  if (flags.live) return tools::capture_live(flags.lcm_url, target);
   auto views = tools::views_from_corners(target, flags.corners, {flags.size[0], flags.size[1]});
   if (flags.size[0] == 0) {
     std::printf("took the images to be %d x %d: --size says otherwise\n", views.cameras[0].width_px,
@@ -158,7 +162,9 @@ void add_stereo(CLI::App& app, Flags& flags) {
   input->add_option("--corners", flags.corners,
                     "folder of CSV files, one per view and camera: kp_x, kp_y, p_x, p_y, p_z");
   input->add_option("--log", flags.log, "LCM log with STEREO_IMAGES");
+  input->add_flag("--live", flags.live, "STEREO_IMAGES from the bus, with advice what to show next");
   input->require_option(1);
+  sub->add_option("--lcm-url", flags.lcm_url, "bus, for --live")->capture_default_str();
   sub->add_option("--out", flags.out, "folder for camchain.yaml, opencv.yaml, rig.yaml, report.html")->required();
   sub->add_option("--json", flags.json, "write all figures to this file");
   sub->add_option("--lens", flags.lens, "distortion")

@@ -9,6 +9,8 @@
 #include <opencv2/imgcodecs.hpp>
 #include <random>
 
+#include "common/bus/lockstep.h"
+#include "common/bus/typed.h"
 #include "common/channels.h"
 #include "common/config/rig.h"
 #include "common/error.h"
@@ -21,6 +23,7 @@
 #include "tests/tools/calibrate/verb.h"
 #include "tools/calibrate/files.h"
 #include "tools/calibrate/imu_log.h"
+#include "tools/calibrate/live_capture.h"
 
 namespace arpent::tools {
 namespace {
@@ -150,6 +153,41 @@ TEST_F(CalibrateVerb, TakesPairsFromALogBetweenWhichTheBoardMoved) {
   EXPECT_EQ(views.views[0].name, "200000");
   EXPECT_EQ(views.views[1].name, "600000");
   EXPECT_GT(views.views[0].cameras[1].size(), 50U);
+}
+
+/// Live pictures of a board that is held still at one place after the other.
+TEST_F(CalibrateVerb, LiveGuidanceFollowsThePicturesOnTheBus) {
+  const auto rig = calib::simulated_rig(DistortionModel::kRadialTangential);
+  const sim::CameraModel left(rig.cameras[0]), right(rig.cameras[1]);
+  LockstepExecutor executor(from_utime(0));
+  std::vector<std::string> lines;
+  LiveCapture capture(executor.add_process("calibrate").bus, {}, [&](const auto& line) { lines.push_back(line); });
+  EXPECT_THROW((void)capture.views(), InputError) << "nothing came yet";
+  std::int64_t utime = 0;
+  const auto show = [&](const cv::Mat1b& a, const cv::Mat1b& b) {
+    utime += 200000;
+    executor.inject(from_utime(utime), channels::kStereoImages,
+                    encode(stereo::to_wire({from_utime(utime), utime / 200000, a, b}, false)));
+    executor.run_until(from_utime(utime));
+  };
+  show(cv::Mat1b(1024, 1280, 90), cv::Mat1b(1024, 1280, 90));
+  for (const std::size_t board : {0U, 1U}) {
+    const Pose T = calib::simulated_boards({}, 1)[board];
+    const auto a = calib::draw_board({}, left, T, board),
+               b = calib::draw_board({}, right, rig.T_cam_first[1] * T, board);
+    show(a, b);
+    show(a, b);
+  }
+  show(cv::Mat1b(512, 640, 90), cv::Mat1b(512, 640, 90));
+  ASSERT_EQ(lines.size(), 6U) << testing::PrintToString(lines);
+  EXPECT_EQ(lines[0], "no board in sight");
+  EXPECT_EQ(lines[1], "hold it still");
+  EXPECT_THAT(lines[2], HasSubstr("view 1 taken"));
+  EXPECT_THAT(lines[2], HasSubstr("next: show it in the "));
+  EXPECT_THAT(lines[4], HasSubstr("view 2 taken"));
+  EXPECT_THAT(lines[5], HasSubstr("mixed sizes"));
+  EXPECT_EQ(capture.views().views.size(), 2U);
+  EXPECT_FALSE(capture.complete());
 }
 
 /// A unit at rest for `seconds` at 20 Hz with white noise; it is turned at `moved_s`.

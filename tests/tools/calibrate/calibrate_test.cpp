@@ -107,6 +107,31 @@ TEST_F(CalibrateVerb, NamesWhatCannotBeUsed) {
   EXPECT_EQ(run("stereo"), 2);
 }
 
+TEST_F(CalibrateVerb, HasASentenceForViewsThatCannotBeUsed) {
+  const auto rig = calib::simulated_rig(DistortionModel::kRadialTangential);
+  const std::string arguments =
+      fmt::format("stereo --target {0}/target.yaml --corners {0}/corners --out {0}/out", folder_.string());
+  calib::SimulationOptions options;
+  options.views = 3;
+  write_corners(calib::simulate_views(rig, options, 1));
+  EXPECT_EQ(run(arguments), 2);
+  EXPECT_THAT(output_, HasSubstr("too few views: cam0 sees the board in 3 of them"));
+  options.views = 8;
+  auto views = calib::simulate_views(rig, options, 2);
+  const auto together = views;
+  // Two clocks: no picture of the right camera has the name of one of the left.
+  for (std::size_t v = 0; v < 8; ++v) views.views[v].cameras[v % 2].clear();
+  write_corners(views);
+  EXPECT_EQ(run(arguments), 2);
+  EXPECT_THAT(output_, HasSubstr("never sees the board together with another camera"));
+  EXPECT_THAT(output_, HasSubstr("are the clocks the same?"));
+  views = together;
+  for (auto& view : views.views) std::swap(view.cameras[0], view.cameras[1]);
+  write_corners(views);
+  EXPECT_EQ(run(arguments), 1);
+  EXPECT_THAT(output_, HasSubstr("swapped"));
+}
+
 TEST_F(CalibrateVerb, CornersOffTheBoardAreRefused) {
   calib::SimulationOptions options;
   options.views = 5;

@@ -27,7 +27,7 @@ class EitherCamera : public testing::TestWithParam<CameraMotion> {};
 TEST_P(EitherCamera, FindsMountingAndDelayWithinWhatItsCovarianceSays) {
   const ImuTruth truth;
   Eigen::Matrix<double, kCameraImuParameters, 1> squares = Eigen::Matrix<double, kCameraImuParameters, 1>::Zero();
-  constexpr int kSeeds = 4;
+  constexpr int kSeeds = 3;
   for (std::uint32_t seed = 1; seed <= kSeeds; ++seed) {
     const auto found = calibrate_camera_imu(simulate_imu(truth, GetParam(), Excitation::kAllAxes, seed));
     Eigen::Matrix<double, kCameraImuParameters, 1> error;
@@ -41,10 +41,10 @@ TEST_P(EitherCamera, FindsMountingAndDelayWithinWhatItsCovarianceSays) {
     EXPECT_NEAR(found.reduced_chi2, 1, 0.15) << seed;
     EXPECT_TRUE(unobserved(found).empty()) << testing::PrintToString(unobserved(found));
   }
-  // chi2 of 4 over 4: 99.9 % below 4.6; all seven together, of 28: 99.9 % below 2.03, 0.1 % below 0.38.
-  for (int k = 0; k < kCameraImuParameters; ++k) EXPECT_LT(squares[k], 4.6) << k;
-  EXPECT_LT(squares.mean(), 2.03);
-  EXPECT_GT(squares.mean(), 0.38);
+  // chi2 of 3 over 3: 99.9 % below 5.4; all seven together, of 21: 99.9 % below 2.23, 0.1 % below 0.28.
+  for (int k = 0; k < kCameraImuParameters; ++k) EXPECT_LT(squares[k], 5.4) << k;
+  EXPECT_LT(squares.mean(), 2.23);
+  EXPECT_GT(squares.mean(), 0.28);
 }
 INSTANTIATE_TEST_SUITE_P(CameraImuCalibration, EitherCamera,
                          testing::Values(CameraMotion::kSteps, CameraMotion::kPoses));

@@ -15,6 +15,7 @@
 #include "common/log/event_log.h"
 #include "common/pose2.h"
 #include "tests/calib/simulated_drive.h"
+#include "tests/perception/tags/cube_pictures.h"
 #include "tests/tools/calibrate/verb.h"
 #include "tools/calibrate/drive_report.h"
 #include "tools/mission/run.h"
@@ -137,6 +138,53 @@ TEST_F(DriveVerb, BodyByTagsGivesARigThatTheStackReads) {
   EXPECT_EQ(T_after.translation().z(), T_before.translation().z()) << "a drive does not show the height";
   expect_within(json("body")["turned_yaw_deg"], truth.mount_yaw_rad * 180 / M_PI, 2);
   EXPECT_FALSE(json("body")["turned_pitch_deg"]["observed"]) << "TAG_OBSERVATION is laid on the ground";
+}
+
+/// Pictures of the tag cube while the robot rocks before it, read with a rig file whose camera sits 3 cm and 2 degrees
+/// from where it is, and looks 1 degree lower.
+TEST_F(DriveVerb, BodyByTagsInThePicturesFindsTheCamerasPitchToo) {
+  const Rig truth = load_rig(kConfig / "rigs/wifibot_stereo.yaml");
+  StereoCalibration filed = truth.calibration;
+  const Pose T_body_filed = Pose2{0.03, -0.02, 0.035}.to_pose() * Eigen::AngleAxisd(0.0175, Eigen::Vector3d::UnitY());
+  filed.T_body_left = T_body_filed.inverse() * truth.calibration.T_body_left;
+  RigConfig rig = truth.config;
+  rig.T_body_cam = to_rig(filed, "filed").T_body_cam;
+  std::ofstream(folder_ / "filed.yaml") << config::to_yaml(rig);
+  std::ofstream(folder_ / "tags.yaml") << "rig: filed.yaml\n";
+  LogWriter log(folder_ / "rocking.lcm");
+  Pose2 pose = to_pose2(tags::pose_facing({}, 1.9, 2.2, 0));
+  double left_m = 0, right_m = 0;
+  std::int64_t pairs = 0;
+  for (int i = 0; i <= 2800; ++i) {
+    const double t_s = 0.005 * i;
+    if (i % 4 == 0) {
+      base::WheelState state;
+      state.status.stamp = at(t_s);
+      state.status.left_m = left_m;
+      state.status.right_m = right_m;
+      state.status.heard = true;
+      write(log, t_s, channels::kWheelState, base::to_wire(state));
+    }
+    if (i % 40 == 20) {
+      const auto picture = tags::render_cube({}, pose.to_pose(), static_cast<std::uint64_t>(pairs));
+      write(log, t_s, channels::kStereoImages, stereo::to_wire({at(t_s), pairs++, picture.left, picture.right}, true));
+    }
+    const double v = 0.3 * std::cos(2 * M_PI * t_s / 6), w = 0.8 * std::cos(2 * M_PI * t_s / 3);
+    left_m += (v - 0.5 * 0.40 * w) * 0.005;
+    right_m += (v + 0.5 * 0.40 * w) * 0.005;
+    pose = {pose.x_m + v * 0.005 * std::cos(pose.yaw_rad), pose.y_m + v * 0.005 * std::sin(pose.yaw_rad),
+            pose.yaw_rad + w * 0.005};
+  }
+  log.close();
+  const std::string files = fmt::format("--robot {0}/robots/wifibot.yaml --rig {1}/filed.yaml --tags {1}/tags.yaml",
+                                        kConfig.string(), folder_.string());
+  ASSERT_EQ(run(fmt::format("body --by tags --log {0}/rocking.lcm --out {0}/body {1}", folder_.string(), files)), 0)
+      << output_;
+  EXPECT_THAT(output_, HasSubstr("tags in the pictures"));
+  const Pose T_found = load_rig(folder_ / "body/rig.yaml").calibration.T_body_left;
+  const Eigen::Vector3d off_m = T_found.translation() - truth.calibration.T_body_left.translation();
+  EXPECT_LT(off_m.head<2>().norm(), 0.01);
+  EXPECT_LT(so3_log(truth.calibration.T_body_left.linear().transpose() * T_found.linear()).norm(), 0.005);
 }
 
 TEST_F(DriveVerb, WhatACircleDoesNotShowKeepsItsValue) {

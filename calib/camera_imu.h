@@ -43,6 +43,9 @@ struct CameraImuInput {
 /// Places in CameraImuCalibration::covariance: a small turn R_cam_imu * exp(turn), t_cam_imu, the clocks' offset.
 inline constexpr int kMountTurn = 0, kMountPlace = 3, kImuTimeOffset = 6, kCameraImuParameters = 7;
 
+/// Deviations beyond which a turn [rad], a place or an offset counts as not observed.
+inline constexpr double kTurnWorth = 0.01, kPlaceWorthM = 0.02, kOffsetWorthS = 0.003;
+
 struct CameraImuCalibration {
   Pose T_cam_imu = Pose::Identity();
   double time_offset_s = 0;  ///< the inertial unit's time of a moment, less the camera's (Kalibr's timeshift_cam_imu)

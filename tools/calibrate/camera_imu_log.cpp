@@ -76,22 +76,25 @@ void use_odometry(const MotionLog& log, const Progress& progress, CameraImuLog& 
 }
 
 std::vector<std::array<std::string, 3>> rows_of(const CameraImuLog& log, const CameraImuCalibration& found) {
-  const Eigen::Vector3d off_deg =
-      kDegrees * so3_log(log.input.T_cam_imu.linear().transpose() * found.T_cam_imu.linear());
+  const Eigen::Vector3d off_rad = so3_log(log.input.T_cam_imu.linear().transpose() * found.T_cam_imu.linear());
   const Eigen::Vector3d t = found.T_cam_imu.translation();
   std::vector<std::array<std::string, 3>> rows;
+  const auto add = [&](const std::string& name, double value, const char* unit, int parameter, double factor,
+                       double worth) {
+    const double deviation = found.deviation(parameter);
+    const bool observed = deviation <= worth;
+    rows.push_back({name, observed ? fmt::format("{:.2f} {}", factor * value, unit) : "-",
+                    observed ? fmt::format("+- {:.2g}", calib::kConfidence * factor * deviation) : "not observed"});
+  };
   const char* axes = "xyz";
   for (int k = 0; k < 3; ++k) {
-    rows.push_back({fmt::format("turned against the file, about the unit's {}", axes[k]),
-                    fmt::format("{:.3f} deg", off_deg[k]),
-                    fmt::format("+- {:.2g}", calib::kConfidence * kDegrees * found.deviation(calib::kMountTurn + k))});
+    add(fmt::format("turned against the file, about the unit's {}", axes[k]), off_rad[k], "deg", calib::kMountTurn + k,
+        kDegrees, calib::kTurnWorth);
   }
   for (int k = 0; k < 3; ++k) {
-    rows.push_back({fmt::format("place in the camera, {}", axes[k]), fmt::format("{:.1f} mm", 1e3 * t[k]),
-                    fmt::format("+- {:.2g}", calib::kConfidence * 1e3 * found.deviation(calib::kMountPlace + k))});
+    add(fmt::format("place in the camera, {}", axes[k]), t[k], "mm", calib::kMountPlace + k, 1e3, calib::kPlaceWorthM);
   }
-  rows.push_back({"unit's clock less camera's", fmt::format("{:.2f} ms", 1e3 * found.time_offset_s),
-                  fmt::format("+- {:.2g}", calib::kConfidence * 1e3 * found.deviation(calib::kImuTimeOffset))});
+  add("unit's clock less camera's", found.time_offset_s, "ms", calib::kImuTimeOffset, 1e3, calib::kOffsetWorthS);
   return rows;
 }
 
@@ -160,14 +163,17 @@ std::string summarize(const CameraImuLog& log, const CameraImuCalibration& found
 nlohmann::json to_json(const CameraImuLog& log, const CameraImuCalibration& found) {
   const Eigen::Quaterniond q = canonical_quaternion(found.T_cam_imu.linear());
   const Eigen::Vector3d t = found.T_cam_imu.translation();
+  nlohmann::json place, turn;  // null: not observed
+  if (found.place_observed()) place = {t.x(), t.y(), t.z()};
+  if (found.rotation_observed()) turn = {q.w(), q.x(), q.y(), q.z()};
   return {{"steps", found.steps},
           {"turned_rad", found.turned_rad},
           {"camera", log.camera},
           {"reduced_chi2", found.reduced_chi2},
           {"unobserved", unobserved(found)},
           {"T_cam_imu",
-           {{"translation_m", {t.x(), t.y(), t.z()}},
-            {"quaternion_wxyz", {q.w(), q.x(), q.y(), q.z()}},
+           {{"translation_m", place},
+            {"quaternion_wxyz", turn},
             {"rotation_interval95_deg", calib::kConfidence * kDegrees * found.worst_deviation(calib::kMountTurn)},
             {"place_interval95_m", calib::kConfidence * found.worst_deviation(calib::kMountPlace)},
             {"rotation_observed", found.rotation_observed()},

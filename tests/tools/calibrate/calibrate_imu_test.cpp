@@ -109,6 +109,8 @@ TEST_F(CameraImuVerb, OnLevelGroundKeepsThePlaceOutOfItsFiles) {
   EXPECT_THAT(output_, HasSubstr("What this motion does not show"));
   EXPECT_THAT(output_, HasSubstr("measure it by hand"));
   EXPECT_FALSE(json()["T_cam_imu"]["place_observed"]);
+  EXPECT_TRUE(json()["T_cam_imu"]["translation_m"].is_null());
+  EXPECT_FALSE(json()["T_cam_imu"]["quaternion_wxyz"].is_null());
   std::stringstream yaml;
   yaml << std::ifstream(folder_ / "out/camchain-imucam.yaml").rdbuf();
   EXPECT_THAT(yaml.str(), testing::Not(HasSubstr("T_cam_imu:")));

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <numbers>
 #include <tuple>
 
 namespace arpent::mapping {
@@ -157,10 +158,24 @@ BlockBits IncompleteSurface::judge(const BlockClasses& block, const TsdfMap& map
   for_each_bit(found, [&](std::size_t offset) {
     const VoxelIndex voxel = voxel_at(block.index, offset);
     const bool inside = !region_map_m_ || region_map_m_->contains(map.centre_m(voxel));
-    if (inside && (rule_ == UnknownRule::kWeight || !unknown_beside(voxel, map).empty())) return;
+    const bool literal = rule_ == UnknownRule::kWeight;
+    if (inside && (literal || (lies_on_surface(voxel, map) && !unknown_beside(voxel, map).empty()))) return;
     found[offset >> 6] &= ~(std::uint64_t{1} << (offset & 63));
   });
   return found;
+}
+
+bool IncompleteSurface::lies_on_surface(const VoxelIndex& voxel, const TsdfMap& map) const {
+  const float here_m = map.voxel(voxel).value_or(Voxel{}).distance_m;
+  const float step_m = kSteepestField * static_cast<float>(map.params().voxel_m);
+  for (int i = 0; i < 27; ++i) {
+    const VoxelIndex step(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1);
+    const int faces = step.squaredNorm();
+    if (faces == 0 || faces > 2 || classes_.at(voxel + step) != VoxelClass::kOccupied) continue;
+    const float leap_m = here_m - map.voxel(voxel + step).value_or(Voxel{}).distance_m;
+    if (leap_m <= step_m * (faces == 1 ? 1.0F : std::numbers::sqrt2_v<float>)) return true;
+  }
+  return false;
 }
 
 std::vector<VoxelIndex> IncompleteSurface::unknown_beside(const VoxelIndex& voxel, const TsdfMap& map) const {

@@ -34,7 +34,7 @@ enum class UnknownRule : std::uint8_t {
   /// Not those that were seen, too seldom, behind the very surface that the empty voxel lies on: their distance is of
   /// the other sign and one that a distance field allows one voxel further. There the surface has been found, W_th is
   /// met on its visible side, and how often the map's limits behind rims let the hidden side be updated is no
-  /// incompleteness (docs/decisions/0005).
+  /// incompleteness (docs/decisions/0005). Nor is there an element where no surface is: where the map is torn.
   kSignChange,
 };
 
@@ -60,6 +60,9 @@ class IncompleteSurface {
   [[nodiscard]] const VoxelClasses& classes() const { return classes_; }
 
  private:
+  /// Whether an occupied voxel among the 18 beside it is as near in distance as it is in space. A greater leap is no
+  /// surface but a tear: what one view guessed behind an object's rim beside what another saw to be free.
+  [[nodiscard]] bool lies_on_surface(const VoxelIndex& voxel, const TsdfMap& map) const;
   [[nodiscard]] BlockBits judge(const BlockClasses& block, const TsdfMap& map) const;
 
   UnknownRule rule_;

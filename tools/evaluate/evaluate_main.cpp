@@ -74,7 +74,7 @@ ordered_json mesh_json(const evaluation::MeshErrors& e, double e_max_m) {
 int main(int argc, char** argv) {
   CLI::App app{"Compares trajectories, meshes and missions with the truth."};
   app.name("arpent evaluate");
-  std::string reference, estimate, folder, world, report, json_file, alignment = "se3";
+  std::string reference, estimate, folder, world, report, growth, json_file, alignment = "se3";
   std::vector<double> segments;
   evaluation::MeshParams params;
   auto* trajectory = app.add_subcommand("trajectory", "TUM, KITTI or EuRoC files");
@@ -103,6 +103,7 @@ int main(int argc, char** argv) {
       ->check(CLI::PositiveNumber);
   mesh->add_option("--seed", params.seed, "seed of the sampling")->capture_default_str();
   mission->add_option("--report", report, "also write a report page about the reconstruction into this folder");
+  mission->add_option("--growth", growth, "also write how coverage grew, as CSV");
   app.require_subcommand(1);
   try {
     app.parse(argc, argv);
@@ -116,6 +117,7 @@ int main(int argc, char** argv) {
              json_file);
     } else if (*mission) {
       finish_rows(evaluate_folder(folder, world), json_file);
+      if (!growth.empty()) tools::write_growth(folder, world, growth);
       if (!report.empty()) tools::write_reconstruction_report(folder, world, report);
     } else {
       finish(mesh_json(evaluation::evaluate_mesh(read_ply(reference), read_ply(estimate), params), params.e_max_m),

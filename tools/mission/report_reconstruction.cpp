@@ -9,6 +9,7 @@
 #include <opencv2/imgproc.hpp>
 #include <utility>
 
+#include "common/atomic_file.h"
 #include "sim/world/ground.h"
 #include "tools/mission/map_growth.h"
 #include "tools/report/mesh_view.h"
@@ -207,6 +208,22 @@ void write_reconstruction_report(const std::filesystem::path& folder, const std:
   report::Page page("Mission " + mission.setting.name, "in " + mission.setting.world.name);
   add_reconstruction(page, mission.setting, mission.result, evaluation);
   page.write(out);
+}
+
+void write_growth(const std::filesystem::path& folder, const std::filesystem::path& world,
+                  const std::filesystem::path& csv) {
+  const MissionFolder mission = read_mission_folder(folder, world);
+  const MissionEvaluation evaluation = evaluate_mission(mission.setting, mission.result, legal_views(mission.setting));
+  std::string text = "time_s,path_m,coverage_percent,incomplete_elements\n";
+  replay_map(mission.result.log, mission.setting, kMoments, [&](const MapMoment& moment) {
+    const auto path = driven(mission.result, moment.stamp).points_m;
+    double path_m = 0;
+    for (std::size_t i = 1; i < path.size(); ++i) path_m += (path[i] - path[i - 1]).norm();
+    text += fmt::format("{:.2f},{:.2f},{:.2f},{}\n", to_seconds(moment.stamp - mission.result.truth.front().stamp),
+                        path_m, evaluation::coverage_percent(evaluation.truth, moment.mesh, mission.setting.voxel_m()),
+                        moment.incomplete);
+  });
+  atomic_write(csv, text);
 }
 
 }  // namespace arpent::tools

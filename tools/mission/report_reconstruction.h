@@ -30,4 +30,8 @@ struct TimeBudget {
 void write_reconstruction_report(const std::filesystem::path& folder, const std::filesystem::path& world,
                                  const std::filesystem::path& out);
 
+/// Coverage [%] and incomplete surface over time [s] and driven way [m], as CSV.
+void write_growth(const std::filesystem::path& folder, const std::filesystem::path& world,
+                  const std::filesystem::path& csv);
+
 }  // namespace arpent::tools

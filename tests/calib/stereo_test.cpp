@@ -36,7 +36,7 @@ class EitherLens : public testing::TestWithParam<DistortionModel> {};
 
 TEST_P(EitherLens, IsFoundWithinWhatItsCovarianceSays) {
   const RigEstimate truth = simulated_rig(GetParam());
-  SimulationOptions options = few_views(16);
+  SimulationOptions options = few_views(20);
   options.model = GetParam();
   CalibrationParams params;
   params.model = GetParam();

@@ -278,16 +278,17 @@ struct StereoOdometry::State {
     }
   }
 
-  /// Starts anew from the present pose: after the first pair and after a loss.
+  /// Starts anew from the present pose: after the first pair and after a loss. The next step is expected to be like the
+  /// last one that is known: what was lost in a turn is mostly still turning.
   void restart(const Pyramid& left, const Pyramid& right) {
     tracks.clear();
     keyframes.clear();
-    T_last_now = Pose::Identity();
     add_keyframe(left, right, nullptr);
   }
 
   Estimate first(Time stamp, const Pyramid& left, const Pyramid& right, const std::string& lost_reason);
-  Estimate next(Time stamp, const Pyramid& left, const Pyramid& right);
+  Estimate next(Time stamp, const Pyramid& left, const Pyramid& right, const std::optional<Eigen::Matrix3d>& turn);
+  Measured follow(const Pyramid& left, const Pyramid& right, const std::optional<Eigen::Matrix3d>& turn) const;
 };
 
 Estimate StereoOdometry::State::first(Time stamp, const Pyramid& left, const Pyramid& right,
@@ -307,11 +308,26 @@ Estimate StereoOdometry::State::first(Time stamp, const Pyramid& left, const Pyr
   return estimate;
 }
 
-Estimate StereoOdometry::State::next(Time stamp, const Pyramid& left, const Pyramid& right) {
-  const Pose T_guess = T_odom_cam * T_last_now;
-  Measured measured = measure(left, right, T_guess, true);
+/// Looks for the points where the gyro, or else the last step, predicts them; failing that, where the shift of the
+/// whole image does, or where they were.
+StereoOdometry::State::Measured StereoOdometry::State::follow(const Pyramid& left, const Pyramid& right,
+                                                              const std::optional<Eigen::Matrix3d>& turn) const {
+  Measured measured;
+  if (turn) {
+    Pose T_step = T_last_now;
+    T_step.linear() = *turn;
+    measured = measure(left, right, T_odom_cam * T_step, true);
+    if (good(measured)) return measured;
+  }
+  measured = measure(left, right, T_odom_cam * T_last_now, true);
   if (!good(measured)) measured = measure(left, right, T_odom_cam * turn_since_last(left), true);
   if (!good(measured)) measured = measure(left, right, T_odom_cam, false);
+  return measured;
+}
+
+Estimate StereoOdometry::State::next(Time stamp, const Pyramid& left, const Pyramid& right,
+                                     const std::optional<Eigen::Matrix3d>& turn) {
+  const Measured measured = follow(left, right, turn);
   if (!good(measured)) {
     keyframe_covariance += Matrix6d::Identity();  // the motion across this gap is unknown
     return first(stamp, left, right, "too few points agree on a motion");
@@ -359,7 +375,8 @@ DisparityOffset StereoOdometry::disparity_offset() const {
   return state_->offset;
 }
 
-Estimate StereoOdometry::track(Time stamp, const cv::Mat1b& left, const cv::Mat1b& right) {
+Estimate StereoOdometry::track(Time stamp, const cv::Mat1b& left, const cv::Mat1b& right,
+                               const std::optional<Eigen::Matrix3d>& turn) {
   State& state = *state_;
   const PinholeCamera& camera = state.stereo.camera;
   const cv::Size size(camera.width_px, camera.height_px);
@@ -375,7 +392,7 @@ Estimate StereoOdometry::track(Time stamp, const cv::Mat1b& left, const cv::Mat1
   const Pyramid left_pyramid = make_pyramid(left.clone());
   const Pyramid right_pyramid = make_pyramid(right.clone());
   return state.tracks.empty() ? state.first(stamp, left_pyramid, right_pyramid, "")
-                              : state.next(stamp, left_pyramid, right_pyramid);
+                              : state.next(stamp, left_pyramid, right_pyramid, turn);
 }
 
 }  // namespace arpent::odometry

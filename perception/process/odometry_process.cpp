@@ -2,8 +2,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "perception/process/odometry_process.h"
 
+#include <arpent/imu_t.hpp>
 #include <cmath>
+#include <map>
 #include <optional>
+#include <utility>
 
 #include "common/bus/typed.h"
 #include "common/channels.h"
@@ -16,6 +19,11 @@ namespace arpent {
 namespace {
 
 constexpr double kMaxDisparityOffsetPx = 0.3;
+/// A rate that no robot turns at.
+constexpr double kMaxRateRadps = 50;
+constexpr std::size_t kMaxGyro = 4096;
+constexpr Duration kGyroMargin = std::chrono::milliseconds(40);
+constexpr Duration kGyroSilent = std::chrono::milliseconds(120);
 
 }  // namespace
 
@@ -26,6 +34,8 @@ struct OdometryProcess::State {
   Pose T_body_cam;
   odometry::StereoOdometry odometry;
   std::optional<odometry::BodyOdometry> last;
+  std::map<Time, double> gyro;  ///< rate about body z [rad/s], since the last pair
+  std::optional<Time> last_pair;
 
   State(const Config& config, Bus& process_bus)
       : bus(process_bus),
@@ -47,6 +57,36 @@ struct OdometryProcess::State {
     return repeated;
   }
 
+  void note_gyro(const imu_t& message) {
+    const double rate_radps = message.angular_velocity_radps[2];
+    if (std::abs(rate_radps) > kMaxRateRadps) {
+      bus.health().count(channels::kImu, "invalid");
+      return;
+    }
+    gyro[from_utime(message.utime)] = rate_radps;
+    while (gyro.size() > kMaxGyro) gyro.erase(gyro.begin());
+  }
+
+  /// How the camera has turned since the last pair; its bias matters little for where points are looked for. Only
+  /// readings that have surely come by now count, so that live and lockstep agree; the newest of them goes on until the
+  /// pair's time. Nullopt if the gyro is silent.
+  std::optional<Eigen::Matrix3d> turn_until(Time stamp) {
+    const std::optional<Time> from = std::exchange(last_pair, stamp);
+    const auto end = gyro.upper_bound(stamp - kGyroMargin);
+    if (!from || end == gyro.begin() || stamp - std::prev(end)->first > kGyroSilent) return std::nullopt;
+    double turn_rad = 0;
+    Time now = *from;
+    for (auto it = gyro.begin(); it != end; ++it) {
+      if (it->first <= now) continue;
+      turn_rad += it->second * to_seconds(it->first - now);
+      now = it->first;
+    }
+    turn_rad += std::prev(end)->second * to_seconds(stamp - now);
+    gyro.erase(gyro.begin(), std::prev(end));
+    const Eigen::Matrix3d R_body = Eigen::AngleAxisd(turn_rad, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+    return T_body_cam.linear().transpose() * R_body * T_body_cam.linear();
+  }
+
   /// Beyond doubt: by more than three deviations.
   [[nodiscard]] bool disparities_are_off() const {
     const odometry::DisparityOffset offset = odometry.disparity_offset();
@@ -55,7 +95,8 @@ struct OdometryProcess::State {
 
   odometry::BodyOdometry estimate(const stereo::StereoPair& pair) {
     const auto [left, right] = rectifier.rectify(pair.left, pair.right);
-    return to_body(odometry.track(pair.stamp, left, right), pair.sequence, T_body_cam, last ? &*last : nullptr);
+    return to_body(odometry.track(pair.stamp, left, right, turn_until(pair.stamp)), pair.sequence, T_body_cam,
+                   last ? &*last : nullptr);
   }
 };
 
@@ -66,6 +107,10 @@ OdometryProcess::OdometryProcess(const Config& config, Bus& bus, Clock& /*clock*
   options.latency = Duration(config.latency_us);
   subscribe<stereo_images_t>(bus, channels::kStereoImages, options,
                              [this](const stereo_images_t& message) { on_pair(message); });
+  if (!config.use_gyro) return;
+  options.queue_capacity = 256;
+  options.latency = Duration(0);
+  subscribe<imu_t>(bus, channels::kImu, options, [this](const imu_t& message) { state_->note_gyro(message); });
 }
 
 OdometryProcess::~OdometryProcess() = default;

@@ -19,12 +19,14 @@ class stereo_images_t;
 struct OdometryConfig {
   std::filesystem::path rig;
   odometry::OdometryParams odometry;
+  bool use_gyro = true;
   int latency_us = 60000;
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visitor) {
     visitor.field("rig", self.rig, "rig file: intrinsics and mounting of the stereo camera", config::required_path());
     visitor.group("odometry", self.odometry, "visual odometry");
+    visitor.field("use_gyro", self.use_gyro, "IMU says where points are looked for after a turn");
     visitor.field("latency_us", self.latency_us, "declared time from pair to odometry", config::at_least(0));
   }
 };

@@ -18,8 +18,8 @@ namespace arpent::planning {
 struct DriveCosts {
   double comfort_m = 0.7;
   double clearance_weight = 2.0;
-  double turn_m_per_rad = 0.5;
-  double stop_m = 0.5;
+  double turn_m_per_rad = 0.3;
+  double stop_m = 0.25;
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visitor) {

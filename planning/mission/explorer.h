@@ -18,7 +18,7 @@
 #include "mapping/tsdf/tsdf_map.h"
 #include "planning/local/low_level_planner.h"
 #include "planning/local/recovery.h"
-#include "planning/tour/timed_tours.h"
+#include "planning/mission/tour_planner.h"
 #include "planning/viewpoints/exploration_targets.h"
 #include "planning/viewpoints/viewpoint.h"
 
@@ -32,7 +32,7 @@ struct ExplorerParams {
   DriveCosts costs;
   LowLevelParams low_level;
   RecoveryParams recovery;
-  tour::TimedParams tour;
+  TourParams tour;
   double footprint_margin_m = 0.05;
   double start_clearance_m = 0.8;
   double nominal_speed_mps = 0.5;

@@ -15,8 +15,6 @@ namespace {
 constexpr double kNoWay = std::numeric_limits<double>::infinity();
 /// Drives within a cluster are short: the straight line, and a little more for what is in between.
 constexpr double kDetour = 1.15;
-/// Nearer than this a viewpoint is turned to, not driven to.
-constexpr double kNearM = 0.1;
 
 /// The same ground in cells of twice the size, each as bad as the worst of its four.
 Ground halve(const Ground& ground) {
@@ -95,35 +93,6 @@ class Prices {
   std::vector<Source> sources_;
 };
 
-/// Elements completed per second of the way to a viewpoint, the turns and the stay.
-double rate_of(const Viewpoint& viewpoint, double drive_m, const Pose2& robot, const VisitTimes& times) {
-  const Eigen::Vector2d way = viewpoint.pose.position_m() - robot.position_m();
-  const double bearing = way.norm() > kNearM ? std::atan2(way.y(), way.x()) : robot.yaw_rad;
-  const double turns_rad =
-      std::abs(wrap_angle(bearing - robot.yaw_rad)) + std::abs(wrap_angle(viewpoint.pose.yaw_rad - bearing));
-  const double time_s = drive_m / times.speed_mps + turns_rad / times.turn_rate_radps +
-                        std::max(times.visit_s, viewpoint.looks / times.looks_hz);
-  return static_cast<double>(viewpoint.elements.size()) / time_s;
-}
-
-/// A tour visits what lies near first, however little it is worth, and by the time that it gets to the rest the map has
-/// changed. So the first target is the one that completes most per second; the tour orders the others.
-void put_best_first(PlannedTour& planned, const Prices& prices, const Pose2& robot, const VisitTimes& times) {
-  std::vector<TourTarget>& targets = planned.tour.targets;
-  const int start = static_cast<int>(planned.viewpoints.size());
-  double best_rate = 0;
-  std::size_t best = 0;
-  for (std::size_t i = 0; i < targets.size(); ++i) {
-    const Viewpoint& viewpoint = planned.viewpoints[static_cast<std::size_t>(targets[i].id)];
-    const double rate = rate_of(viewpoint, prices(start, static_cast<int>(targets[i].id)), robot, times);
-    if (rate <= best_rate) continue;
-    best_rate = rate;
-    best = i;
-  }
-  const auto at = targets.begin() + static_cast<std::ptrdiff_t>(best);
-  if (!targets.empty()) std::rotate(targets.begin(), at, at + 1);
-}
-
 tour::Arcs add_visits(tour::Arcs arcs, const std::vector<Cluster>& clusters, double visit_s) {
   for (int v = 0; v < static_cast<int>(clusters.size()); ++v) {
     const double visits_s = visit_s * static_cast<double>(clusters[static_cast<std::size_t>(v)].viewpoints.size());
@@ -133,10 +102,36 @@ tour::Arcs add_visits(tour::Arcs arcs, const std::vector<Cluster>& clusters, dou
   return arcs;
 }
 
+/// Clusters in the order of the visit and how long that takes [s].
+struct Ordered {
+  std::vector<int> clusters;
+  double completion_s = 0;
+};
+
+Ordered order_by_time(const tour::ClusterGraph& graph, const tour::Arcs& durations_s, const tour::TimedParams& params) {
+  const tour::TimedTours tours = tour::timed_tours(durations_s, graph.gains(), params);
+  Ordered ordered{tours.order.front(), tours.completion_s};
+  ordered.clusters.insert(ordered.clusters.end(), tours.unreachable.begin(), tours.unreachable.end());
+  return ordered;
+}
+
+Ordered order_by_utility(const tour::ClusterGraph& graph, const tour::Arcs& durations_s, const TourParams& params) {
+  const tour::Arcs utilities = graph.utilities(params.utility.lambda_tc_1pm, params.utility.lambda_ic_1pm);
+  std::vector<double> from_start;
+  for (int v = 0; v < graph.size(); ++v) from_start.push_back(utilities.from_start(0, v));
+  Ordered ordered{tour::max_atsp(from_start, utilities.among, params.solver).order};
+  for (std::size_t i = 0; i < ordered.clusters.size(); ++i) {
+    const int v = ordered.clusters[i];
+    const double s = i == 0 ? durations_s.from_start(0, v) : durations_s.among(ordered.clusters[i - 1], v);
+    if (std::isfinite(s)) ordered.completion_s += s;
+  }
+  return ordered;
+}
+
 }  // namespace
 
 PlannedTour plan_tour(const Ground& ground, const std::vector<Cluster>& clusters, const Pose2& robot,
-                      const tour::TimedParams& params, const VisitTimes& times) {
+                      const TourParams& params, const VisitTimes& times) {
   PlannedTour planned;
   Places places;
   std::vector<tour::Cluster> nodes;
@@ -155,17 +150,15 @@ PlannedTour plan_tour(const Ground& ground, const std::vector<Cluster>& clusters
   places.cluster.push_back(clusters.size());
   const Prices prices(ground, clusters, places, robot);
   const tour::ClusterGraph graph(nodes, {start}, prices);
-  const tour::TimedTours tours =
-      tour::timed_tours(add_visits(graph.durations_s(times.speed_mps), clusters, times.visit_s), graph.gains(), params);
-  std::vector<int> order = tours.order.front();
-  order.insert(order.end(), tours.unreachable.begin(), tours.unreachable.end());
+  const tour::Arcs durations_s = add_visits(graph.durations_s(times.speed_mps), clusters, times.visit_s);
+  const auto [order, completion_s] = params.objective == "time" ? order_by_time(graph, durations_s, params.time)
+                                                                : order_by_utility(graph, durations_s, params);
   for (const int viewpoint : graph.viewpoints(0, order)) {
     planned.tour.targets.push_back({viewpoint, planned.viewpoints[static_cast<std::size_t>(viewpoint)].pose});
   }
-  put_best_first(planned, prices, robot, times);
   // What the first cluster is for decides when to plan anew; the others are where to go if it cannot be reached.
   if (!order.empty()) planned.tour.elements = clusters[static_cast<std::size_t>(order.front())].elements;
-  planned.completion_s = tours.completion_s;
+  planned.completion_s = completion_s;
   return planned;
 }
 

@@ -7,12 +7,32 @@
 
 #include <vector>
 
+#include "common/config/fields.h"
 #include "planning/local/ground.h"
 #include "planning/local/low_level_planner.h"
+#include "planning/tour/max_atsp.h"
 #include "planning/tour/timed_tours.h"
 #include "planning/viewpoints/viewpoint.h"
 
 namespace arpent::planning {
+
+/// How clusters are put in order.
+struct TourParams {
+  std::string objective = "time";
+  tour::TimedParams time;
+  tour::UtilityParams utility;
+  tour::SolverParams solver;
+
+  template <class Self, class Visitor>
+  static void describe(Self& self, Visitor& visitor) {
+    visitor.field("objective", self.objective,
+                  "time: surface early and the tour done early; utility: eq. 2.3 of the thesis",
+                  config::one_of({"time", "utility"}));
+    visitor.group("time", self.time, "objective time");
+    visitor.group("utility", self.utility, "objective utility");
+    visitor.group("solver", self.solver, "the same");
+  }
+};
 
 struct PlannedTour {
   Tour tour;  ///< targets' ids are indices into `viewpoints`
@@ -30,6 +50,6 @@ struct VisitTimes {
 /// Drives are priced on cells of twice the ground's size: one search from the robot and one from each cluster. Clusters
 /// without a way come last, in their order.
 [[nodiscard]] PlannedTour plan_tour(const Ground& ground, const std::vector<Cluster>& clusters, const Pose2& robot,
-                                    const tour::TimedParams& params, const VisitTimes& times);
+                                    const TourParams& params, const VisitTimes& times);
 
 }  // namespace arpent::planning

@@ -1,49 +1,50 @@
 // SPDX-FileCopyrightText: The arpent authors
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// `./arpent demo`: from stereo images to a mesh and a report, with nothing else needed. With ARPENT_DATA it shows a
-// real sequence, otherwise one that the project renders itself.
+// `./arpent demo`: the main job from end to end, with nothing but the project itself. A simulated robot reconstructs
+// the test arena by itself: rendered images, depth, odometry, map, tours, drives over a mock CAN; then the report about
+// it.
 #include <CLI/CLI.hpp>
 #include <cstdio>
-#include <cstdlib>
 #include <opencv2/core.hpp>
 
 #include "common/error.h"
-#include "tools/import/import.h"
-#include "tools/replay/summary.h"
+#include "tools/mission/figures.h"
 
+namespace {
+
+using namespace arpent;
 namespace fs = std::filesystem;
 
+int run_demo(const fs::path& out, int seed) {
+  cv::setNumThreads(1);
+  tools::MissionOverrides overrides;
+  overrides.seed = seed;
+  const tools::MissionSpec spec = tools::load_mission(ARPENT_SOURCE_DIR "/config/missions/test_arena.yaml", overrides);
+  tools::MissionOptions options;
+  options.out = out;
+  std::printf("1/2 a robot explores %s\n", spec.name.c_str());
+  const tools::MissionResult result = tools::run_mission(spec, options);
+  std::printf("2/2 what it was worth\n");
+  const tools::MissionFigures figures = tools::measure(result);
+  tools::write_mission_report(out, spec, result, figures);
+  tools::print(figures, result);
+  std::printf("report           %s\n", fs::absolute(out / "report.html").c_str());
+  return result.done() ? 0 : 1;
+}
+
+}  // namespace
+
 int main(int argc, char** argv) {
-  using namespace arpent;
-  CLI::App app{"Shows the chain from stereo images to a mesh, and writes a report."};
+  CLI::App app{"A simulated robot reconstructs the test arena by itself; writes log, mesh and report."};
   app.name("arpent demo");
   std::string out = "out/demo";
-  bool rendered = false;
-  app.add_option("--out", out, "folder for the report")->capture_default_str();
-  app.add_flag("--rendered", rendered, "the rendered sequence, even if real data is at hand");
+  int seed = 1;
+  app.add_option("--out", out, "folder for log, mesh and report")->capture_default_str();
+  app.add_option("--seed", seed, "seed of all simulated noise")->capture_default_str();
   try {
     app.parse(argc, argv);
-    cv::setNumThreads(1);
-    fs::create_directories(out);
-    const fs::path log = fs::path(out) / "demo.lcmlog";
-    const char* data = std::getenv("ARPENT_DATA");
-    const fs::path real = data != nullptr ? fs::path(data) / "vo" / "kitti06_0000-0039" : fs::path();
-    if (!rendered && data != nullptr && fs::is_directory(real)) {
-      std::printf("1/2 a real drive: 40 stereo pairs of KITTI\n");
-      tools::import_kitti(real, log);
-    } else {
-      std::printf("1/2 rendering a drive through the test arena: 61 stereo pairs\n");
-      tools::import_rendered(12.0, log);
-    }
-    std::printf("2/2 depth, odometry, map\n");
-    const tools::ReplayInput input = tools::open_log(log, out, "", {});
-    const tools::ReplayResult result = tools::run_lockstep(input, {});
-    const tools::Summary summary = tools::summarise(input, result, nullptr);
-    tools::write_replay_report(out, input, result, summary);
-    tools::print(summary);
-    std::printf("report: %s\n", (fs::absolute(out) / "report.html").c_str());
-    return 0;
+    return run_demo(out, seed);
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : 2;
   } catch (const std::exception& error) {

@@ -3,6 +3,7 @@
 #include "tools/mission/mission_file.h"
 
 #include "common/config/robot.h"
+#include "common/error.h"
 #include "sim/world/world.h"
 
 namespace arpent::tools {
@@ -33,6 +34,16 @@ void set_region(const sim::Region& region, planning::ExplorerParams& explore) {
   }
 }
 
+/// The thesis' method as printed (docs/missions.md): its viewpoints, utility, roadmap, when it plans anew, and depth
+/// images once a second.
+std::vector<std::string> settings_of(const std::string& preset) {
+  if (preset.empty() || preset == "default") return {};
+  if (preset != "thesis") throw InputError("there is no preset " + preset + ": thesis, or default");
+  return {"mission.explore.viewpoints.preset=thesis",         "mission.explore.tour.objective=utility",
+          "mission.explore.low_level.leg.planner=lazy_prm",   "mission.explore.low_level.judge_while_driving=false",
+          "mission.explore.low_level.bypass_obstacles=false", "depth.rate_hz=1"};
+}
+
 }  // namespace
 
 MissionSpec load_mission(const std::filesystem::path& file, const MissionOverrides& overrides) {
@@ -42,7 +53,9 @@ MissionSpec load_mission(const std::filesystem::path& file, const MissionOverrid
   spec.base.port = "bus";
   spec.mapping.pose_source = "pair_pose";
   spec.depth.publish_disparity = false;
-  config::read(spec, {.file = file, .settings = overrides.settings});
+  std::vector<std::string> settings = settings_of(overrides.preset);
+  settings.insert(settings.end(), overrides.settings.begin(), overrides.settings.end());
+  config::read(spec, {.file = file, .settings = settings});
   if (!overrides.world.empty()) spec.world = overrides.world;
   if (overrides.seed) spec.seed = *overrides.seed;
   if (!overrides.sensing.empty()) spec.sensing = overrides.sensing;

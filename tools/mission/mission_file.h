@@ -69,6 +69,7 @@ struct MissionOverrides {
   std::filesystem::path rig;  ///< what perception believes in, while the simulator keeps the robot's own
   std::optional<int> seed;
   std::string sensing;
+  std::string preset;                 ///< default or thesis; empty: as the file has it
   std::vector<std::string> settings;  ///< key=value
 };
 

@@ -38,6 +38,8 @@ void add_options(CLI::App& app, Flags& flags) {
   app.add_option("--jobs", flags.jobs, "runs at the same time")->check(CLI::Range(1, 64));
   app.add_option("--sensing", flags.overrides.sensing, "images: cameras and all perception; depth: for planning alone")
       ->check(CLI::IsMember({"images", "depth"}));
+  app.add_option("--preset", flags.overrides.preset, "default, or thesis: its method as printed")
+      ->check(CLI::IsMember({"default", "thesis"}));
   app.add_flag("--live", flags.live, "separate processes in real time instead of lockstep");
   app.add_option("--set", flags.overrides.settings,
                  "key=value, overrides a parameter, e.g. pose.fusion.gyro.used=false");

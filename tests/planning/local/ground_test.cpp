@@ -93,7 +93,7 @@ TEST(Ground, WhatIsNearObstaclesCostsMore) {
   const double at_wall = ground.cost_of(drive({2, 0.3, 0}, 4, 0));
   // (1 - 0.3 / 0.7)^2 * 2 more per metre, with the clearance up to 5 cm too small.
   EXPECT_NEAR(at_wall, 4 * (1 + 2 * std::pow(1 - 0.275 / 0.7, 2)), 4 * 0.12);
-  EXPECT_NEAR(ground.cost_of(turn_to({4, 3.5, 0}, 1)), 0.5 + 0.5, 1e-9);
+  EXPECT_NEAR(ground.cost_of(turn_to({4, 3.5, 0}, 1)), ground.costs().stop_m + ground.costs().turn_m_per_rad, 1e-9);
 }
 
 }  // namespace

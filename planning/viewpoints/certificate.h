@@ -21,8 +21,8 @@ enum class Verdict : std::uint8_t {
   kOutOfRange,   ///< no pose at all has it in view: too high or too low for a level camera within the range of depth
   kUnreachable,  ///< poses would have it in view, but the robot cannot stand there
   kOccluded,     ///< it is in view from reachable poses, but always behind occupied voxels
-  /// In sight, but looks do not make it known: they weigh too little, or already failed to. Or it belongs to a piece
-  /// too small to go for (ViewpointParams::least_piece_m2).
+  /// In sight, but looks do not make it known: they weigh too little, or already failed to. Or it belongs to a piece of
+  /// incomplete surface so small that it is not told from noise (`small_piece`).
   kBelowSensingLimit,
 };
 
@@ -37,6 +37,7 @@ struct Certificate {
   Eigen::Vector3d unknown_m = Eigen::Vector3d::Zero();
   int in_view = 0;
   int in_sight = 0;
+  bool small_piece = false;  ///< a pose would complete it, but its piece is below ViewpointParams::least_piece_m2
 };
 
 /// Tries every reachable pose of a lattice: positions `lattice_m` apart around all elements, kHeadings headings. Only

@@ -77,11 +77,9 @@ ordered_json to_json(const Certificate& certificate, double voxel_m) {
   const bool own = certificate.verdict == Verdict::kCompletable;
   const Eigen::Vector3d place_m =
       own ? Eigen::Vector3d((v.cast<double>().array() + 0.5) * voxel_m) : certificate.unknown_m;
-  return {{"voxel", {v.x(), v.y(), v.z()}},
-          {"label", to_text(certificate.verdict)},
-          {"place_m", to_json(place_m)},
-          {"in_view", certificate.in_view},
-          {"in_sight", certificate.in_sight}};
+  return {{"voxel", {v.x(), v.y(), v.z()}},   {"label", to_text(certificate.verdict)},
+          {"place_m", to_json(place_m)},      {"in_view", certificate.in_view},
+          {"in_sight", certificate.in_sight}, {"small_piece", certificate.small_piece}};
 }
 
 CertifiedElement to_element(const ordered_json& json) {
@@ -91,6 +89,7 @@ CertifiedElement to_element(const ordered_json& json) {
   element.place_m = to_vector(json.at("place_m"));
   element.in_view = json.at("in_view").get<int>();
   element.in_sight = json.at("in_sight").get<int>();
+  element.small_piece = json.at("small_piece").get<bool>();
   const auto label = json.at("label").get<std::string>();
   for (const Verdict verdict : kVerdicts) {
     if (label != to_text(verdict)) continue;
@@ -110,6 +109,7 @@ CertificateFile to_file(const ordered_json& json) {
   c.voxel_m = json.at("voxel_m").get<double>();
   c.known_weight = json.at("known_weight").get<double>();
   c.give_up_factor = json.at("give_up_factor").get<double>();
+  c.least_piece_m2 = json.at("least_piece_m2").get<double>();
   const Eigen::Vector3d start = to_vector(json.at("start"));
   c.start = {start.x(), start.y(), start.z()};
   c.semi_long_m = json.at("footprint").at("semi_long_m").get<double>();
@@ -136,6 +136,7 @@ void write_certificates(const std::filesystem::path& file, const CertificateCont
                     {"voxel_m", c.voxel_m},
                     {"known_weight", c.known_weight},
                     {"give_up_factor", c.give_up_factor},
+                    {"least_piece_m2", c.least_piece_m2},
                     {"start", {c.start.x_m, c.start.y_m, c.start.yaw_rad}},
                     {"footprint", {{"semi_long_m", c.semi_long_m}, {"semi_short_m", c.semi_short_m}}},
                     {"camera", to_json(c.camera)},

@@ -21,6 +21,7 @@ struct CertificateContext {
   double voxel_m = 0.1;
   double known_weight = 0.3;    ///< W_th
   double give_up_factor = 4.0;  ///< looks worth this many W_th were enough (ViewpointParams)
+  double least_piece_m2 = 0;    ///< smaller pieces of incomplete surface were left (ViewpointParams)
   Pose2 start = {};             ///< of the mission, map frame
   double semi_long_m = 0.55, semi_short_m = 0.25;
   LevelCamera camera = {};
@@ -35,6 +36,7 @@ struct CertifiedElement {
   Eigen::Vector3d place_m = Eigen::Vector3d::Zero();  ///< the unknown voxel in the way, or the element itself
   int in_view = 0;
   int in_sight = 0;
+  bool small_piece = false;
 };
 
 struct CertificateFile {

@@ -67,7 +67,9 @@ void add_attempt(std::vector<Viewpoint>& attempts, const Sight& sight, std::uint
 Skipped small_pieces(const Sight& sight, const ViewpointParams& params) {
   if (params.preset == "thesis" || params.least_piece_m2 <= 0) return {};
   Skipped small;
-  for (const std::size_t size : piece_sizes(sight.elements())) {
+  std::vector<VoxelIndex> voxels;
+  for (const auto& element : sight.elements()) voxels.push_back(element.voxel);
+  for (const std::size_t size : piece_sizes(voxels)) {
     small.push_back(static_cast<double>(size) * sight.voxel_m() * sight.voxel_m() < params.least_piece_m2 ? 1 : 0);
   }
   return small;
@@ -79,7 +81,7 @@ Certificate judge(const Certifier& certifier, const Sight& sight, std::uint32_t 
   if (certificate.verdict != Verdict::kCompletable || small.empty() || small[element] == 0) return certificate;
   const auto count = static_cast<int>(certificate.poses.size());
   const Eigen::Vector3d place_m = sight.unknowns()[sight.unknowns_of(element).front()].centre_m;
-  return {certificate.element, Verdict::kBelowSensingLimit, {}, place_m, count, count};
+  return {certificate.element, Verdict::kBelowSensingLimit, {}, place_m, count, count, true};
 }
 
 /// Elements that the usual poses left but that some pose completes become the last viewpoints; the others are what

@@ -9,12 +9,12 @@
 #include <span>
 #include <vector>
 
-#include "mapping/surface/incomplete_surface.h"
+#include "mapping/tsdf/tsdf_map.h"
 
 namespace arpent::planning {
 
 /// For each element how many there are in its piece, itself included: elements whose voxels touch, also by an edge or a
 /// corner, hang together.
-[[nodiscard]] std::vector<std::size_t> piece_sizes(std::span<const mapping::IncompleteElement> elements);
+[[nodiscard]] std::vector<std::size_t> piece_sizes(std::span<const mapping::VoxelIndex> elements);
 
 }  // namespace arpent::planning

@@ -42,6 +42,7 @@ nlohmann::json rows_of(const CertificateCheck& check) {
   add("moot", check.moot_count, "1");
   add("false", check.false_count, "1");
   add("unfinished", check.unfinished, "1");
+  add("small_pieces", check.small_pieces, "1");
   add("uncovered_m2", check.uncovered_m2, "m2");
   add("in_contact_percent", check.in_contact_percent, "%");
   return rows;

@@ -13,6 +13,7 @@
 #include "common/channels.h"
 #include "common/error.h"
 #include "perception/fusion/wire.h"
+#include "planning/viewpoints/pieces.h"
 #include "tools/evaluation/surface_index.h"
 #include "tools/mission/evaluate.h"
 
@@ -56,15 +57,30 @@ double weight_of_looks(const planning::LevelCamera& camera, const CertificateEvi
   return sum;
 }
 
+/// For each element the surface of its piece [m2].
+std::vector<double> piece_areas_m2(const planning::CertificateFile& file) {
+  std::vector<planning::VoxelIndex> voxels;
+  for (const CertifiedElement& element : file.elements) voxels.push_back(element.voxel);
+  std::vector<double> areas_m2;
+  for (const std::size_t size : planning::piece_sizes(voxels)) {
+    areas_m2.push_back(static_cast<double>(size) * file.context.voxel_m * file.context.voxel_m);
+  }
+  return areas_m2;
+}
+
 /// Does the reason hold in the true world? The remark says what was found.
 bool holds(const CertifiedElement& element, const planning::CertificateContext& context,
-           const CertificateEvidence& evidence, std::string& remark) {
+           const CertificateEvidence& evidence, double piece_m2, std::string& remark) {
   const planning::LevelCamera& camera = context.camera;
   const double tolerance_m = evaluation::e_max_m(context.voxel_m);
   if (element.verdict == Verdict::kOutOfRange) {
     const double stand_off_m = camera.stand_off_for_height_m(element.place_m.z() - camera.p_body_m.z());
     remark = fmt::format("in view from {:.2f} m on", stand_off_m);
     return stand_off_m > camera.max_range_m;
+  }
+  if (element.verdict == Verdict::kBelowSensingLimit && element.small_piece) {
+    remark = fmt::format("a piece of {:.2f} m2, less than {:.2f} are left", piece_m2, context.least_piece_m2);
+    return piece_m2 < context.least_piece_m2;
   }
   if (element.verdict == Verdict::kBelowSensingLimit) {
     const double weight = weight_of_looks(camera, evidence, element.place_m, tolerance_m);
@@ -107,9 +123,11 @@ CertificateCheck check_certificates(const planning::CertificateFile& file, const
   const auto points =
       static_cast<double>(evidence.truth.visible.points_m.size() + evidence.truth.hidden.points_m.size());
   check.uncovered_m2 = evidence.truth.area_m2 * static_cast<double>(missing.size()) / std::max(1.0, points);
-  for (const CertifiedElement& element : file.elements) {
+  const std::vector<double> areas_m2 = piece_areas_m2(file);
+  for (std::size_t i = 0; i < file.elements.size(); ++i) {
+    const CertifiedElement& element = file.elements[i];
     CheckedElement checked{element, Finding::kFalse, ""};
-    if (holds(element, file.context, evidence, checked.remark)) {
+    if (holds(element, file.context, evidence, areas_m2[i], checked.remark)) {
       checked.finding = Finding::kTrue;
     } else if (!missing.is_near(element.place_m)) {
       checked.finding = Finding::kMoot;
@@ -117,6 +135,7 @@ CertificateCheck check_certificates(const planning::CertificateFile& file, const
     check.true_count += checked.finding == Finding::kTrue ? 1 : 0;
     check.moot_count += checked.finding == Finding::kMoot ? 1 : 0;
     check.false_count += checked.finding == Finding::kFalse ? 1 : 0;
+    check.small_pieces += element.small_piece ? 1 : 0;
     check.unfinished += element.verdict == Verdict::kCompletable ? 1 : 0;
     check.elements.push_back(std::move(checked));
   }

@@ -30,6 +30,7 @@ struct CertificateCheck {
   std::vector<CheckedElement> elements;
   int true_count = 0, moot_count = 0, false_count = 0;
   int unfinished = 0;       ///< elements that are listed as completable: none when the mission says that it is done
+  int small_pieces = 0;     ///< elements left because their piece is small
   double uncovered_m2 = 0;  ///< visible true surface that the mesh lacks, all over the world
   double in_contact_percent = 0;  ///< of the poses that the robot calls reachable: those that touch the true world
   /// Share of the elements that were rightly left; 100 if there are none.

@@ -24,6 +24,7 @@ CertificateContext context() {
                        .voxel_m = 0.2,
                        .known_weight = 0.35,
                        .give_up_factor = 3,
+                       .least_piece_m2 = 0.4,
                        .start = {1, 2, 0.5},
                        .semi_long_m = 0.6,
                        .semi_short_m = 0.3,
@@ -45,7 +46,7 @@ CertificateContext context() {
 TEST(CertificateFile, ReadsBackWhatWasWritten) {
   const CertificateContext c = context();
   write_certificates(file_of("round"), c,
-                     {{{1, -2, 3}, Verdict::kOccluded, {}, {0.3, 0.4, 0.5}, 17, 4},
+                     {{{1, -2, 3}, Verdict::kOccluded, {}, {0.3, 0.4, 0.5}, 17, 4, true},
                       {{4, 5, 6}, Verdict::kCompletable, {{1, 2, 3}}},
                       {{7, 8, 9}, Verdict::kOutOfRange, {}, {0.1, 0.2, 3.9}}});
   const CertificateFile file = read_certificates(file_of("round"));
@@ -55,6 +56,7 @@ TEST(CertificateFile, ReadsBackWhatWasWritten) {
   EXPECT_EQ(file.context.voxel_m, c.voxel_m);
   EXPECT_EQ(file.context.known_weight, c.known_weight);
   EXPECT_EQ(file.context.give_up_factor, c.give_up_factor);
+  EXPECT_EQ(file.context.least_piece_m2, c.least_piece_m2);
   EXPECT_EQ(file.context.start, c.start);
   EXPECT_EQ(file.context.semi_long_m, c.semi_long_m);
   EXPECT_EQ(file.context.semi_short_m, c.semi_short_m);
@@ -75,6 +77,8 @@ TEST(CertificateFile, ReadsBackWhatWasWritten) {
   EXPECT_EQ(file.elements[0].place_m, Eigen::Vector3d(0.3, 0.4, 0.5));
   EXPECT_EQ(file.elements[0].in_view, 17);
   EXPECT_EQ(file.elements[0].in_sight, 4);
+  EXPECT_TRUE(file.elements[0].small_piece);
+  EXPECT_FALSE(file.elements[1].small_piece);
   EXPECT_TRUE(file.elements[1].place_m.isApprox(Eigen::Vector3d(0.9, 1.1, 1.3))) << "its own centre";
   EXPECT_EQ(file.elements[2].verdict, Verdict::kOutOfRange);
 }

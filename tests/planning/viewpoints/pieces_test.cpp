@@ -10,17 +10,10 @@
 namespace arpent::planning {
 namespace {
 
-using mapping::IncompleteElement;
 using mapping::VoxelIndex;
 
-std::vector<IncompleteElement> elements_at(const std::vector<VoxelIndex>& voxels) {
-  std::vector<IncompleteElement> elements(voxels.size());
-  for (std::size_t i = 0; i < voxels.size(); ++i) elements[i].voxel = voxels[i];
-  return elements;
-}
-
 TEST(Pieces, CornersHangTogetherGapsDoNot) {
-  const auto sizes = piece_sizes(elements_at({{0, 0, 0}, {1, 1, 1}, {3, 1, 1}, {4, 0, 2}, {9, 9, 9}}));
+  const auto sizes = piece_sizes(std::vector<VoxelIndex>{{0, 0, 0}, {1, 1, 1}, {3, 1, 1}, {4, 0, 2}, {9, 9, 9}});
   EXPECT_EQ(sizes, (std::vector<std::size_t>{2, 2, 2, 2, 1}));
   EXPECT_TRUE(piece_sizes({}).empty());
 }
@@ -46,7 +39,7 @@ TEST(Pieces, AreThoseOfRepeatedRelabelling) {
       }
     }
   }
-  const auto sizes = piece_sizes(elements_at(voxels));
+  const auto sizes = piece_sizes(voxels);
   for (std::size_t i = 0; i < voxels.size(); ++i) {
     EXPECT_EQ(sizes[i], static_cast<std::size_t>(std::count(label.begin(), label.end(), label[i])));
   }

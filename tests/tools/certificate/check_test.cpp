@@ -11,6 +11,7 @@ namespace {
 
 using Eigen::Vector3d;
 using evaluation::small_robot;
+using planning::CertifiedElement;
 using planning::Verdict;
 
 /// A room with a box, and in a corner a hollow between walls that nobody can look into. The mesh lacks the floor beyond
@@ -75,6 +76,24 @@ TEST_F(CertificateCheckTest, TheSensingLimitIsReachedByLooksThatAreWorthEnough) 
   EXPECT_EQ(judge(Verdict::kBelowSensingLimit, place, Looks(4, body)).finding, Finding::kFalse);
   EXPECT_EQ(judge(Verdict::kBelowSensingLimit, place, Looks(50, {body.x_m, body.y_m, 3.1})).finding, Finding::kFalse)
       << "looking away";
+}
+
+TEST_F(CertificateCheckTest, ASmallPieceIsAsSmallAsItsElementsTogether) {
+  file_.context.least_piece_m2 = 0.025;
+  const auto element = [](int x) {
+    return CertifiedElement{.voxel = {x, 25, 0},
+                            .verdict = Verdict::kBelowSensingLimit,
+                            .place_m = {0.1 * x + 0.05, 2.55, 0.05},
+                            .small_piece = true};
+  };
+  file_.elements = {element(33), element(34), element(37)};
+  const CertificateCheck two = check_certificates(file_, {views_, truth_, reconstruction_, {}});
+  EXPECT_EQ(two.true_count, 3);
+  EXPECT_EQ(two.small_pieces, 3);
+  file_.elements = {element(33), element(34), element(35), element(37)};
+  const CertificateCheck three = check_certificates(file_, {views_, truth_, reconstruction_, {}});
+  EXPECT_EQ(three.elements.front().finding, Finding::kFalse) << "0.03 m2";
+  EXPECT_EQ(three.elements.back().finding, Finding::kTrue);
 }
 
 TEST_F(CertificateCheckTest, SharesAreOfAllElements) {

@@ -18,32 +18,6 @@ constexpr double kDetour = 1.15;
 /// Nearer than this a viewpoint is turned to, not driven to.
 constexpr double kNearM = 0.1;
 
-/// The same ground in cells of twice the size, each as bad as the worst of its four.
-Ground halve(const Ground& ground) {
-  const GridFrame& fine = ground.frame();
-  GridFrame frame;
-  frame.cell_m = 2 * fine.cell_m;
-  frame.first = {fine.first.x() >> 1, fine.first.y() >> 1};
-  const Eigen::Vector2i last = fine.first + Eigen::Vector2i(fine.cols - 1, fine.rows - 1);
-  frame.cols = (last.x() >> 1) - frame.first.x() + 1;
-  frame.rows = (last.y() >> 1) - frame.first.y() + 1;
-  std::vector<CellState> states(frame.size(), CellState::kUnknown);
-  for (int j = 0; j < frame.rows; ++j) {
-    for (int i = 0; i < frame.cols; ++i) {
-      bool unknown = false, occupied = false;
-      for (int k = 0; k < 4; ++k) {
-        const int u = 2 * (frame.first.x() + i) - fine.first.x() + (k & 1);
-        const int v = 2 * (frame.first.y() + j) - fine.first.y() + (k >> 1);
-        const CellState state = fine.has(u, v) ? ground.state(fine.centre_m(u, v)) : CellState::kUnknown;
-        unknown = unknown || state == CellState::kUnknown;
-        occupied = occupied || state == CellState::kOccupied;
-      }
-      states[frame.at(i, j)] = occupied ? CellState::kOccupied : unknown ? CellState::kUnknown : CellState::kFree;
-    }
-  }
-  return Ground(frame, std::move(states), ground.footprint(), ground.costs());
-}
-
 /// Viewpoints by number, cluster after cluster; the robot comes last.
 struct Places {
   std::vector<Eigen::Vector2d> p_m;
@@ -134,6 +108,31 @@ tour::Arcs add_visits(tour::Arcs arcs, const std::vector<Cluster>& clusters, dou
 }
 
 }  // namespace
+
+Ground halve(const Ground& ground) {
+  const GridFrame& fine = ground.frame();
+  GridFrame frame;
+  frame.cell_m = 2 * fine.cell_m;
+  frame.first = {fine.first.x() >> 1, fine.first.y() >> 1};
+  const Eigen::Vector2i last = fine.first + Eigen::Vector2i(fine.cols - 1, fine.rows - 1);
+  frame.cols = (last.x() >> 1) - frame.first.x() + 1;
+  frame.rows = (last.y() >> 1) - frame.first.y() + 1;
+  std::vector<CellState> states(frame.size(), CellState::kUnknown);
+  for (int j = 0; j < frame.rows; ++j) {
+    for (int i = 0; i < frame.cols; ++i) {
+      bool unknown = false, occupied = false;
+      for (int k = 0; k < 4; ++k) {
+        const int u = 2 * (frame.first.x() + i) - fine.first.x() + (k & 1);
+        const int v = 2 * (frame.first.y() + j) - fine.first.y() + (k >> 1);
+        const CellState state = fine.has(u, v) ? ground.state(fine.centre_m(u, v)) : CellState::kUnknown;
+        unknown = unknown || state == CellState::kUnknown;
+        occupied = occupied || state == CellState::kOccupied;
+      }
+      states[frame.at(i, j)] = occupied ? CellState::kOccupied : unknown ? CellState::kUnknown : CellState::kFree;
+    }
+  }
+  return Ground(frame, std::move(states), ground.footprint(), ground.costs());
+}
 
 PlannedTour plan_tour(const Ground& ground, const std::vector<Cluster>& clusters, const Pose2& robot,
                       const tour::TimedParams& params, const VisitTimes& times) {

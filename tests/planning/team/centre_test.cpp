@@ -113,7 +113,7 @@ class CentreTest : public testing::Test {
     numbers_.insert(tour.number);
     for (Jumper& robot : robots_) {
       if (robot.name != tour.robot) continue;
-      EXPECT_TRUE(robot.dead || now_ - tour.state_stamp, std::chrono::seconds(1)) << "planned from a fresh state";
+      EXPECT_TRUE(robot.dead || now_ - tour.state_stamp <= std::chrono::seconds(1)) << "planned from a fresh state";
       robot.tour = tour.number;
       robot.left = tour.viewpoints;
       done_ = done_ || tour.done;

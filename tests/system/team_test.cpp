@@ -40,7 +40,7 @@ class TeamMissionTest : public testing::Test {
 };
 
 TEST_F(TeamMissionTest, TheFirstSecondsOfTwoRobotsAreTheSameWithAnyNumberOfThreads) {
-  const MissionSpec spec = arena(2, 14);
+  const MissionSpec spec = arena(2, 10);
   const TeamResult first = run(spec, 1), second = run(spec, 2);
   for (std::size_t i = 0; i < 2; ++i) {
     EXPECT_EQ(first.robots[i].log_crc, second.robots[i].log_crc) << first.names[i];
@@ -61,13 +61,13 @@ TEST_F(TeamMissionTest, TheFirstSecondsOfTwoRobotsAreTheSameWithAnyNumberOfThrea
 }
 
 TEST_F(TeamMissionTest, ARobotThatDiesIsMissedAndStandsWhereItDied) {
-  const TeamResult result = run(arena(2, 14, "R2@6"));
+  const TeamResult result = run(arena(2, 10, "R2@5"));
   EXPECT_EQ(result.died, std::vector<std::string>{"R2"});
   EXPECT_EQ(result.centre.lost, 1);
   ASSERT_FALSE(result.robots[1].truth.empty());
-  EXPECT_GT(result.robots[1].truth.back().stamp - result.robots[1].truth.front().stamp, std::chrono::seconds(12))
+  EXPECT_GT(result.robots[1].truth.back().stamp - result.robots[1].truth.front().stamp, std::chrono::seconds(9))
       << "its body is still there";
-  EXPECT_LT(result.robots[1].reports.back().stamp - result.robots[1].reports.front().stamp, std::chrono::seconds(7));
+  EXPECT_LT(result.robots[1].reports.back().stamp - result.robots[1].reports.front().stamp, std::chrono::seconds(6));
 }
 
 TEST_F(TeamMissionTest, TeamsThatCannotBeAreOneClearError) {

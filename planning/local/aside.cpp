@@ -21,6 +21,7 @@ bool is_clear(const Eigen::Vector2d& p, const std::vector<Eigen::Vector2d>& way_
 
 std::optional<Leg> find_way_aside(const Ground& ground, const LegPlanner& planner, const Pose2& robot,
                                   const std::vector<Eigen::Vector2d>& way_m, double clear_m) {
+  if (is_clear(robot.position_m(), way_m, clear_m)) return std::nullopt;
   for (double r = kStepM; r <= kMostM; r += kStepM) {
     for (int i = 0; i < kDirections; ++i) {
       const double bearing = robot.yaw_rad + i * 2 * std::numbers::pi / kDirections;

@@ -13,7 +13,7 @@
 namespace arpent::planning {
 
 /// The leg to the nearest free place, on rings about the robot, at least `clear_m` from each point of `way_m`; nullopt
-/// if no leg leads to one within 3 m.
+/// if no leg leads to one within 3 m, or the robot stands clear of the way already.
 [[nodiscard]] std::optional<Leg> find_way_aside(const Ground& ground, const LegPlanner& planner, const Pose2& robot,
                                                 const std::vector<Eigen::Vector2d>& way_m, double clear_m);
 

@@ -28,8 +28,6 @@ constexpr int kLookAroundTurns = 3;
 /// A tour that teammates keep a robot from is tried again so often, so much later each time.
 constexpr int kRetries = 5;
 constexpr Duration kRetryAfter = std::chrono::milliseconds(800);
-constexpr double kSamePlaceM = 0.05;
-constexpr double kSameHeadingRad = 0.05;
 
 FootprintParams grown(FootprintParams footprint, double margin_m) {
   footprint.semi_axis_long_m += margin_m;
@@ -43,11 +41,6 @@ Eigen::AlignedBox3d region_of(const ExplorerParams& params) {
 }
 
 using VoxelSet = std::unordered_set<VoxelIndex, mapping::BlockHash>;
-
-bool same(const Pose2& a, const Pose2& b) {
-  return (a.position_m() - b.position_m()).norm() < kSamePlaceM &&
-         std::abs(wrap_angle(a.yaw_rad - b.yaw_rad)) < kSameHeadingRad;
-}
 
 }  // namespace
 
@@ -372,6 +365,7 @@ struct Explorer::State {
     status.activity = "waiting for a tour";
     const bool boxed_in = ground.clearance_m(pose.position_m()) < footprint.long_m();
     if (tour.targets.empty()) {
+      team.retries = 0;
       if (!looked_around && !boxed_in && status.elements > 0 && now - adopted_at > from_seconds(1.0)) {
         look_around(now, pose);
       }
@@ -394,8 +388,9 @@ struct Explorer::State {
     const std::optional<Viewpoint> committed = committed_viewpoint();
     for (std::size_t i = 0; i < planned.viewpoints.size(); ++i) {
       const Pose2& at = planned.viewpoints[i].pose;
-      const bool now_there = (committed && same(at, committed->pose)) || (dwell && same(at, dwell->viewpoint.pose)) ||
-                             (team.last_visit && same(at, *team.last_visit));
+      const bool now_there = (committed && same_goal(at, committed->pose)) ||
+                             (dwell && same_goal(at, dwell->viewpoint.pose)) ||
+                             (team.last_visit && same_goal(at, *team.last_visit));
       if (!now_there) planned.tour.targets.push_back({static_cast<std::int64_t>(i), at});
     }
     if (committed) put_first(*committed, planned);
@@ -453,7 +448,6 @@ void Explorer::follow(std::vector<Viewpoint> viewpoints, Time now) {
 void Explorer::finish() {
   state_->status.done = true;
   state_->status.left_s = 0;
-  state_->status.activity = "nothing is left that the team could complete";
 }
 Result<std::size_t> Explorer::fuse(const mapping::MapPatch& patch) {
   return mapping::fuse(state_->map, patch);
@@ -468,6 +462,10 @@ void Explorer::set_traffic(std::vector<Pose2> bodies, TrafficAdvice advice) {
 bool Explorer::step_aside(Time now, const Pose2& pose, const Pose2& teammate, const Pose2& its_target, double clear_m) {
   return state_->step_aside(now, pose, teammate, its_target, clear_m);
 }
+void Explorer::give_up_tour() {
+  if (const auto lost = target()) state_->team.events.push_back({TargetEvent::Kind::kUnreachable, *lost});
+  restart();
+}
 std::optional<Pose2> Explorer::target() const {
   if (state_->dwell) return state_->dwell->viewpoint.pose;
   if (const auto target = state_->low_level.target()) return target->pose;
@@ -478,7 +476,8 @@ bool Explorer::idle() const {
   return state_->tour.targets.empty() && !state_->dwell && !state_->pending && !state_->recovering;
 }
 bool Explorer::kept_by_bodies() const {
-  return state_->team.retries > 0 && !state_->team.bodies.empty();
+  return state_->team.retries > 0 && !state_->team.bodies.empty() && !state_->tour.targets.empty() &&
+         !state_->low_level.target();
 }
 std::vector<TargetEvent> Explorer::take_events() {
   return std::exchange(state_->team.events, {});

@@ -140,6 +140,8 @@ class Explorer {
   /// False if there is none.
   [[nodiscard]] bool step_aside(Time now, const Pose2& pose, const Pose2& teammate, const Pose2& its_target,
                                 double clear_m);
+  /// Its tour cannot be driven: it is reported, and void.
+  void give_up_tour();
   /// On its way there, looking from it, or kept from it.
   [[nodiscard]] std::optional<Pose2> target() const;
   /// Whether nothing is left on its tour.

@@ -175,9 +175,9 @@ void TeamMember::make_room(const Pose2& body) {
     aside_at_ = clock_.now();
     refused_ = 0;
     const Pose2 to = mate.state.target.value_or(body);
-    if (explorer_.step_aside(clock_.now(), body, mate.state.body, to, params_.traffic.aside_clear_m)) {
-      bus_.health().count("TRAFFIC", "asides");
-    }
+    const bool aside = explorer_.step_aside(clock_.now(), body, mate.state.body, to, params_.traffic.aside_clear_m);
+    if (!aside && jammed) explorer_.give_up_tour();
+    bus_.health().count("TRAFFIC", aside ? "asides" : "no_way_aside");
     return;
   }
 }

@@ -16,8 +16,6 @@
 namespace arpent::planning {
 namespace {
 
-constexpr double kSamePlaceM = 0.05;
-constexpr double kSameHeadingRad = 0.05;
 /// Viewpoints that were sent are remembered, to know what a report speaks of.
 constexpr std::size_t kRemembered = 400;
 /// A visit counts once its pictures are in the map; if they do not come, after so long.
@@ -30,11 +28,6 @@ constexpr int kSureTimes = 3;
 constexpr Duration kLeastMission = std::chrono::seconds(8);
 
 using VoxelSet = std::unordered_set<VoxelIndex, mapping::BlockHash>;
-
-bool same(const Pose2& a, const Pose2& b) {
-  return (a.position_m() - b.position_m()).norm() < kSamePlaceM &&
-         std::abs(wrap_angle(a.yaw_rad - b.yaw_rad)) < kSameHeadingRad;
-}
 
 FootprintParams grown(FootprintParams footprint, double margin_m) {
   footprint.semi_axis_long_m += margin_m;
@@ -183,8 +176,8 @@ struct Centre::State {
 
   /// A viewpoint that was sent.
   [[nodiscard]] const Viewpoint* find(const Pose2& pose) const {
-    const auto found =
-        std::find_if(remembered.rbegin(), remembered.rend(), [&](const Viewpoint& v) { return same(v.pose, pose); });
+    const auto found = std::find_if(remembered.rbegin(), remembered.rend(),
+                                    [&](const Viewpoint& v) { return same_goal(v.pose, pose); });
     return found == remembered.rend() ? nullptr : &*found;
   }
 
@@ -193,8 +186,8 @@ struct Centre::State {
       visits.push_back({report, now});
       return;
     }
-    auto held =
-        std::find_if(barred.begin(), barred.end(), [&](const Barred& b) { return same(b.pose, report.event.target); });
+    auto held = std::find_if(barred.begin(), barred.end(),
+                             [&](const Barred& b) { return same_goal(b.pose, report.event.target); });
     if (held == barred.end()) held = barred.insert(barred.end(), {report.event.target, 0, now});
     ++held->times;
     held->until = now + from_seconds(params.unreachable_s);
@@ -202,7 +195,7 @@ struct Centre::State {
 
   [[nodiscard]] bool is_barred(const Pose2& pose, Time now) const {
     return std::any_of(barred.begin(), barred.end(), [&](const Barred& b) {
-      return same(b.pose, pose) && (b.times >= params.unreachable_times || now < b.until);
+      return same_goal(b.pose, pose) && (b.times >= params.unreachable_times || now < b.until);
     });
   }
 
@@ -303,7 +296,7 @@ struct Centre::State {
       if (static_cast<int>(tour.viewpoints.size()) < params.most_viewpoints) tour.viewpoints.push_back(viewpoint);
     }
     for (const Viewpoint& viewpoint : tour.viewpoints) {
-      std::erase_if(remembered, [&](const Viewpoint& v) { return same(v.pose, viewpoint.pose); });
+      std::erase_if(remembered, [&](const Viewpoint& v) { return same_goal(v.pose, viewpoint.pose); });
       remembered.push_back(viewpoint);
     }
     while (remembered.size() > kRemembered) remembered.pop_front();

@@ -26,6 +26,11 @@ TEST(WayAside, EndsOffTheTeammatesWayAndOnFreeGround) {
   EXPECT_FALSE(first_contact(ground, leg->motions, leg->slack));
 }
 
+TEST(WayAside, WhoStandsClearStays) {
+  const auto way = straight({1, 3.5}, {7, 3.5});
+  EXPECT_FALSE(find_way_aside(make_ground(FlatWorld{}), LegPlanner({}), {4, 5, 0.2}, way, 0.95));
+}
+
 TEST(WayAside, ThereIsNoneInALaneThatTheTeammateFills) {
   FlatWorld lane;
   lane.size_m = {8, 1.4};

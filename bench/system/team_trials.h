@@ -14,13 +14,13 @@
 namespace arpent::bench {
 
 struct TrialSpec {
-  std::string mission;          ///< of config/missions, without .yaml
-  std::filesystem::path world;  ///< instead of the mission's; empty: the mission's
+  std::string mission;               ///< of config/missions, without .yaml
+  std::filesystem::path world = {};  ///< instead of the mission's; empty: the mission's
   int robots = 2;
   int seed = 1;
   std::string sensing = "images";
-  std::string kill;
-  std::vector<std::string> settings;
+  std::string kill = {};
+  std::vector<std::string> settings = {};
 };
 
 struct Trial {

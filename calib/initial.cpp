@@ -15,7 +15,7 @@ namespace {
 
 /// Focal lengths over the image's width: fields of view from 118 to 14 degrees.
 constexpr double kFocalRatios[] = {0.3, 0.42, 0.6, 0.85, 1.2, 1.7, 2.6, 4.0};
-constexpr std::size_t kTrialViews = 12;
+constexpr std::size_t kTrialViews = 12, kTrialCorners = 40;
 constexpr double kRobustPx = 2;
 constexpr double kMaxPlane = 4;  // beyond (76 degrees), a pinhole's plane coordinates are of no use
 
@@ -116,6 +116,14 @@ std::optional<RigEstimate> estimate_geometry(const BoardViews& views, const std:
   return rig;
 }
 
+/// Corners spread over the whole list: enough to tell one minimum from another.
+void thin_out(Corners& corners) {
+  if (corners.size() <= kTrialCorners) return;
+  Corners kept;
+  for (std::size_t i = 0; i < kTrialCorners; ++i) kept.push_back(corners[i * corners.size() / kTrialCorners]);
+  corners = std::move(kept);
+}
+
 /// Views spread over the whole set, those that most cameras see first.
 BoardViews trial_views(const BoardViews& views) {
   std::vector<std::size_t> order;
@@ -131,7 +139,10 @@ BoardViews trial_views(const BoardViews& views) {
   order.resize(std::min(order.size(), kTrialViews));
   std::sort(order.begin(), order.end());
   BoardViews trial{views.target, views.cameras, {}};
-  for (const std::size_t v : order) trial.views.push_back(views.views[v]);
+  for (const std::size_t v : order) {
+    trial.views.push_back(views.views[v]);
+    for (Corners& corners : trial.views.back().cameras) thin_out(corners);
+  }
   return trial;
 }
 

@@ -44,7 +44,9 @@ std::string opencv_camera(const RawCamera& camera, int n) {
   const PinholeCamera& p = camera.pinhole;
   const auto& k = camera.coefficients;
   return matrix(fmt::format("M{}", n).c_str(), 3, 3, {p.fx_px, 0, p.cx_px, 0, p.fy_px, p.cy_px, 0, 0, 1}) +
-         matrix(fmt::format("D{}", n).c_str(), 1, 5, {k[0], k[1], k[2], k[3], k[4]});
+         (camera.distortion == DistortionModel::kEquidistant
+              ? matrix(fmt::format("D{}", n).c_str(), 1, 4, {k[0], k[1], k[2], k[3]})
+              : matrix(fmt::format("D{}", n).c_str(), 1, 5, {k[0], k[1], k[2], k[3], k[4]}));
 }
 
 }  // namespace
@@ -62,14 +64,25 @@ std::string to_camchain_yaml(const RigEstimate& rig) {
 }
 
 std::string to_opencv_yaml(const StereoCalibration& stereo) {
-  ARPENT_ASSERT(stereo.left.distortion != DistortionModel::kEquidistant);
+  ARPENT_ASSERT(stereo.left.distortion == stereo.right.distortion);
+  const bool equidistant = stereo.left.distortion == DistortionModel::kEquidistant;
   const Eigen::Matrix3d R = stereo.T_right_left.linear();
   const Eigen::Vector3d T = stereo.T_right_left.translation();
   return fmt::format("%YAML:1.0\n---\nimage_width: {}\nimage_height: {}\n", stereo.left.pinhole.width_px,
                      stereo.left.pinhole.height_px) +
-         opencv_camera(stereo.left, 1) + opencv_camera(stereo.right, 2) +
+         (equidistant ? "distortion_model: equidistant\n" : "") + opencv_camera(stereo.left, 1) +
+         opencv_camera(stereo.right, 2) +
          matrix("R", 3, 3, {R(0, 0), R(0, 1), R(0, 2), R(1, 0), R(1, 1), R(1, 2), R(2, 0), R(2, 1), R(2, 2)}) +
          matrix("T", 3, 1, {T.x(), T.y(), T.z()});
+}
+
+RigConfig to_rig_config(const StereoCalibration& stereo, const RigConfig& before) {
+  const RigConfig cameras = to_rig(stereo, before.name);
+  RigConfig rig = before;
+  rig.left = cameras.left;
+  rig.right = cameras.right;
+  rig.T_right_left = cameras.T_right_left;
+  return rig;
 }
 
 }  // namespace arpent::calib

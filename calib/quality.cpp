@@ -27,14 +27,12 @@ constexpr double kGoodTiltDeg = 25, kLeastTiltDeg = 10;
 constexpr std::size_t kGoodViews = 15;
 
 void add_coverage(const Calibration& calibration, std::size_t c, CameraQuality& quality) {
-  const PinholeCamera& p = calibration.rig.cameras[c].pinhole;
-  quality.coverage = cv::Mat1f(kCoverageRows, kCoverageColumns, 0.0F);
+  Corners corners;
   for (const Residual& r : calibration.residuals) {
-    if (r.observation.camera != static_cast<int>(c)) continue;
-    const int column = static_cast<int>(r.observation.px.x() / p.width_px * kCoverageColumns);
-    const int row = static_cast<int>(r.observation.px.y() / p.height_px * kCoverageRows);
-    quality.coverage(std::clamp(row, 0, kCoverageRows - 1), std::clamp(column, 0, kCoverageColumns - 1)) += 1;
+    if (r.observation.camera == static_cast<int>(c)) corners.push_back({r.observation.corner, r.observation.px});
   }
+  quality.coverage = cv::Mat1f(kCoverageRows, kCoverageColumns, 0.0F);
+  calib::add_coverage(corners, calibration.views.cameras[c], quality.coverage);
   quality.coverage_percent = 100.0 * cv::countNonZero(quality.coverage) / static_cast<double>(quality.coverage.total());
 }
 
@@ -159,25 +157,6 @@ class Judge {
   std::ptrdiff_t bad_ = 0;
 };
 
-/// The part of the image that has fewest corners, in words.
-std::string emptiest_part(const cv::Mat1f& coverage) {
-  static constexpr const char* kNames[3][3] = {{"upper left", "upper middle", "upper right"},
-                                               {"left", "middle", "right"},
-                                               {"lower left", "lower middle", "lower right"}};
-  double least = 2;
-  std::string name;
-  for (int r = 0; r < 3; ++r) {
-    for (int c = 0; c < 3; ++c) {
-      const cv::Range rows(r * kCoverageRows / 3, (r + 1) * kCoverageRows / 3);
-      const cv::Range columns(c * kCoverageColumns / 3, (c + 1) * kCoverageColumns / 3);
-      const cv::Mat part = coverage(rows, columns);
-      const double covered = cv::countNonZero(part) / static_cast<double>(part.total());
-      if (covered < least) least = covered, name = kNames[r][c];
-    }
-  }
-  return name;
-}
-
 void judge_camera(const CameraQuality& camera, const std::string& name, Judge& judge) {
   judge.limit(
       camera.rms_px, kRmsPx,
@@ -228,6 +207,32 @@ void judge_rig(const Calibration& calibration, const Quality& quality, Judge& ju
 }
 
 }  // namespace
+
+void add_coverage(const Corners& corners, const CameraInput& camera, cv::Mat1f& coverage) {
+  for (const Corner& corner : corners) {
+    const int column = static_cast<int>(corner.px.x() / camera.width_px * kCoverageColumns);
+    const int row = static_cast<int>(corner.px.y() / camera.height_px * kCoverageRows);
+    coverage(std::clamp(row, 0, kCoverageRows - 1), std::clamp(column, 0, kCoverageColumns - 1)) += 1;
+  }
+}
+
+std::string emptiest_part(const cv::Mat1f& coverage) {
+  static constexpr const char* kNames[3][3] = {{"upper left", "upper middle", "upper right"},
+                                               {"left", "middle", "right"},
+                                               {"lower left", "lower middle", "lower right"}};
+  double least = 2;
+  std::string name;
+  for (int r = 0; r < 3; ++r) {
+    for (int c = 0; c < 3; ++c) {
+      const cv::Range rows(r * kCoverageRows / 3, (r + 1) * kCoverageRows / 3);
+      const cv::Range columns(c * kCoverageColumns / 3, (c + 1) * kCoverageColumns / 3);
+      const cv::Mat part = coverage(rows, columns);
+      const double covered = cv::countNonZero(part) / static_cast<double>(part.total());
+      if (covered < least) least = covered, name = kNames[r][c];
+    }
+  }
+  return name;
+}
 
 const char* to_text(Grade grade) {
   return grade == Grade::kGood ? "good" : grade == Grade::kUsable ? "usable" : "bad";

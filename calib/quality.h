@@ -41,6 +41,11 @@ struct Quality {
 /// "good", "usable" or "bad".
 [[nodiscard]] const char* to_text(Grade grade);
 
+/// Counts corners per field of an image into `coverage`, kCoverageRows x kCoverageColumns.
+void add_coverage(const Corners& corners, const CameraInput& camera, cv::Mat1f& coverage);
+/// The part of the image (a ninth) that has fewest fields with corners, in words: "upper left".
+[[nodiscard]] std::string emptiest_part(const cv::Mat1f& coverage);
+
 /// Deviation [px] with which a far point is projected at each field's centre. What a small turn of the camera would
 /// explain does not count: a turned frame is no error of the lens. `covariance` of the 8 lens parameters.
 [[nodiscard]] cv::Mat1f projection_uncertainty(const RawCamera& camera, const Eigen::MatrixXd& covariance);

@@ -18,6 +18,7 @@
 #include "tests/calib/board_picture.h"
 #include "tests/calib/imu_noise.h"
 #include "tests/calib/simulated_drive.h"
+#include "tests/calib/simulated_imu.h"
 #include "tests/calib/simulated_views.h"
 
 namespace arpent {
@@ -129,6 +130,23 @@ void measure_drives(bench::Report& report) {
   report.add("body.xy_error_mm", bench::median(xy_mm), "mm", "bar <= 5");
 }
 
+/// A unit and a camera before a board, moved by hand for twenty seconds; ten seeds.
+void measure_camera_imu(bench::Report& report) {
+  const calib::ImuTruth truth;
+  std::vector<double> rotation_deg, offset_ms, place_mm;
+  for (std::uint32_t seed = 0; seed < 10; ++seed) {
+    const auto found = calib::calibrate_camera_imu(
+        calib::simulate_imu(truth, calib::CameraMotion::kPoses, calib::Excitation::kAllAxes, seed));
+    rotation_deg.push_back(calib::rotation_error_rad(found, truth) * 180 / M_PI);
+    offset_ms.push_back(1e3 * std::abs(found.time_offset_s - truth.time_offset_s));
+    place_mm.push_back(1e3 * (found.T_cam_imu.translation() - truth.T_cam_imu.translation()).norm());
+  }
+  report.add("camera_imu.rotation_error_deg", bench::median(rotation_deg), "deg",
+             "bar <= 0.2; board, 2 mm and 1 mrad a pose, 10 seeds");
+  report.add("camera_imu.time_offset_ms", bench::median(offset_ms), "ms", "bar <= 1");
+  report.add("camera_imu.place_error_mm", bench::median(place_mm), "mm");
+}
+
 void body(bench::Report& report) {
   cv::setNumThreads(1);
   if (bench::data_dir().empty()) {
@@ -138,9 +156,11 @@ void body(bench::Report& report) {
     bench::add_apriltag_rows(report, fs::path(bench::data_dir()) / "stereo/apriltag");
   }
   measure_drives(report);
+  measure_camera_imu(report);
   measure_imu(report);
   measure_time(report);
   measure_simulated(report);
+  bench::add_square_rows(report);
 }
 
 }  // namespace

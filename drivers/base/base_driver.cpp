@@ -49,6 +49,7 @@ void BaseDriver::stop() {
 }
 
 void BaseDriver::expire(Time now) {
+  gate_.watch(now);
   if (status_.commanded == Twist2{} || gate_.output(now) != Twist2{}) return;
   status_.commanded = {};
   send_motion({});

@@ -57,7 +57,8 @@ class BaseDriver {
   virtual std::vector<std::string> step(Time now) = 0;
   /// Latches the emergency stop and sends zero at once, without waiting for the next cycle.
   void stop();
-  /// Sends zero at once if the command has run out since the cycle. To be called more often than cycles are.
+  /// Sends zero at once if the command has run out since the cycle. To be called more often than cycles are: commands
+  /// that waited while nobody called it are not carried out.
   void expire(Time now);
 
  protected:

@@ -15,10 +15,20 @@ bool is_zero(const Twist2& t) {
 
 }  // namespace
 
+void CommandGate::watch(Time now) {
+  if (slept(now)) {
+    awake_since_ = now;
+    accepted_.reset();
+  }
+  watched_ = now;
+}
+
 std::optional<std::string> CommandGate::offer(const Twist2& command, Time received) {
   if (!command.finite()) return "the command is not finite";
   heard_ = command;
   heard_at_ = received;
+  const bool just_awake = awake_since_ && received - *awake_since_ <= params_.command_lifetime;
+  if (just_awake || slept(received)) return "the driver has slept: the command may have waited for any time";
   if (state_ == GateState::kStopped) return "the emergency stop is latched";
   if (state_ == GateState::kDisarmed) return "the base is not armed";
   if (std::abs(command.speed_mps) > params_.limits.max_speed_mps + kRounding ||

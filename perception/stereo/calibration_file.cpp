@@ -76,16 +76,29 @@ cv::Mat1d read_matrix(const std::vector<cv::FileStorage>& stores, std::initializ
   fail(file, fmt::format("has no {}", *names.begin()));
 }
 
-RawCamera opencv_camera(const cv::Mat1d& K, const cv::Mat1d& D, int width_px, int height_px, const fs::path& file) {
+/// OpenCV's own files name no model: theirs is the radial-tangential one.
+DistortionModel opencv_model(const std::vector<cv::FileStorage>& stores, const fs::path& file) {
+  for (const cv::FileStorage& store : stores) {
+    if (store["distortion_model"].empty()) continue;
+    const std::string name = store["distortion_model"];
+    if (name == "equidistant") return DistortionModel::kEquidistant;
+    if (name != "radtan") fail(file, "distortion_model must be radtan or equidistant, not " + name);
+  }
+  return DistortionModel::kRadialTangential;
+}
+
+RawCamera opencv_camera(const cv::Mat1d& K, const cv::Mat1d& D, DistortionModel model, int width_px, int height_px,
+                        const fs::path& file) {
   RawCamera camera;
   camera.pinhole = {width_px, height_px, K(0, 0), K(1, 1), K(0, 2), K(1, 2)};
-  camera.distortion = DistortionModel::kRadialTangential;
+  camera.distortion = model;
+  const int most = model == DistortionModel::kEquidistant ? 4 : 5;
   const cv::Mat1d flat = D.reshape(1, 1);
   for (int i = 0; i < flat.cols; ++i) {
-    if (i < 5) {
+    if (i < most) {
       camera.coefficients[static_cast<std::size_t>(i)] = flat(i);
     } else if (flat(i) != 0) {
-      fail(file, "more than 5 distortion coefficients are not supported");
+      fail(file, fmt::format("more than {} distortion coefficients are not supported", most));
     }
   }
   return camera;
@@ -125,12 +138,14 @@ StereoCalibration read_opencv_calibration(const std::vector<fs::path>& files, in
       if (!store["image_height"].empty()) height_px = static_cast<int>(store["image_height"]);
     }
     if (width_px <= 0 || height_px <= 0) fail(file, "does not state the image size: image_width, image_height");
+    const DistortionModel model = opencv_model(stores, file);
     StereoCalibration calibration;
-    calibration.left = opencv_camera(read_matrix(stores, {"M1", "cameraMatrix1", "K1"}, 3, 3, file),
-                                     read_matrix(stores, {"D1", "distCoeffs1"}, 0, 0, file), width_px, height_px, file);
+    calibration.left =
+        opencv_camera(read_matrix(stores, {"M1", "cameraMatrix1", "K1"}, 3, 3, file),
+                      read_matrix(stores, {"D1", "distCoeffs1"}, 0, 0, file), model, width_px, height_px, file);
     calibration.right =
         opencv_camera(read_matrix(stores, {"M2", "cameraMatrix2", "K2"}, 3, 3, file),
-                      read_matrix(stores, {"D2", "distCoeffs2"}, 0, 0, file), width_px, height_px, file);
+                      read_matrix(stores, {"D2", "distCoeffs2"}, 0, 0, file), model, width_px, height_px, file);
     const cv::Mat1d R = read_matrix(stores, {"R"}, 3, 3, file);
     const cv::Mat1d T = read_matrix(stores, {"T"}, 0, 0, file).reshape(1, 3);
     for (int r = 0; r < 3; ++r) {

@@ -41,14 +41,6 @@ std::uint64_t seed_of(int seed, std::uint64_t what) {
   return static_cast<std::uint64_t>(seed) * 1000003 + what;
 }
 
-Pose2 start_of(const sim::World& world, int start) {
-  if (static_cast<std::size_t>(start) >= world.starts.size()) {
-    throw InputError("world " + world.name + " has " + std::to_string(world.starts.size()) +
-                     " starts; there is no start " + std::to_string(start));
-  }
-  return world.starts[static_cast<std::size_t>(start)];
-}
-
 base::ChassisParams chassis_of(const SimConfig& config, const RobotConfig& robot) {
   base::ChassisParams params{.motors = config.motors};
   params.motors.geometry = robot.base.geometry;
@@ -106,7 +98,7 @@ struct SimProcess::State {
         right(rig.calibration.right),
         port(can::open_can_port(c.can, "chassis", process_bus, process_clock)),
         chassis(chassis_of(c, robot_config), *port),
-        robot(start_of(world, c.start), [this](const Pose2& pose) { return touches(pose); }),
+        robot(sim::start_of(world, c.start), [this](const Pose2& pose) { return touches(pose); }),
         imu(c.imu, seed_of(c.seed, 1)),
         odometry(c.odometry, seed_of(c.seed, 2)),
         exposure(c.exposure),

@@ -140,6 +140,8 @@ struct World {
 [[nodiscard]] World parse_world(const std::string& yaml, const std::string& name);
 /// The YAML that load_world reads back into the same world.
 [[nodiscard]] std::string to_yaml(const World& world);
+/// A start by its number, from 0. Throws InputError that says how many there are.
+[[nodiscard]] Pose2 start_of(const World& world, int start);
 
 /// The surface that counts, as triangles with normals towards free space: inside the region, without the excluded
 /// parts, the tag cube, and what touches another solid or the region's border from outside (the floor under a box, the

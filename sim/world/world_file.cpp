@@ -268,6 +268,14 @@ World load_world(const std::filesystem::path& file) {
   return parse_world(text.str(), file.string());
 }
 
+Pose2 start_of(const World& world, int start) {
+  if (start < 0 || static_cast<std::size_t>(start) >= world.starts.size()) {
+    throw InputError(
+        fmt::format("world {} has {} starts; there is no start {}", world.name, world.starts.size(), start));
+  }
+  return world.starts[static_cast<std::size_t>(start)];
+}
+
 std::string to_yaml(const World& world) {
   std::string text = fmt::format("name: \"{}\"\nregion: {{min_m: {}, max_m: {}}}\n", world.name,
                                  list(world.region.min_m), list(world.region.max_m));

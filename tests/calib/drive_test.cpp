@@ -10,6 +10,7 @@
 namespace arpent::calib {
 namespace {
 
+using testing::Contains;
 using testing::HasSubstr;
 
 std::string fault_of(const DriveInput& input) {
@@ -34,9 +35,7 @@ TEST_P(EitherMotion, FindsWheelsClockAndMountingWithinWhatItsCovarianceSays) {
     EXPECT_LT(std::abs(error[kTimeOffset]), 0.004) << seed;
     squares += (error.array().square() / found.covariance.diagonal().array() / kSeeds).matrix();
   }
-  // Odometry's scale is drawn once a drive and no step shows it: the ways' scales know nothing of it.
-  const int first = GetParam() == CameraMotion::kSteps ? kTrack + 1 : 0;
-  for (int k = first; k < kDriveParameters; ++k) {
+  for (int k = 0; k < kStepScale; ++k) {
     EXPECT_LT(squares[k], 3) << "chi2 of 10 over 10: 99.9 % below 2.96; parameter " << k;
     EXPECT_GT(squares[k], 0.05) << k;
   }
@@ -50,6 +49,32 @@ TEST(DriveCalibration, SeesTiltOnlyByPosesAndHeightNever) {
   EXPECT_NEAR(-std::asin(poses.T_body_filed.linear()(2, 0)), truth.mount_pitch_rad, 5 * poses.tilt_deviation_rad);
   EXPECT_EQ(poses.T_body_filed.translation().z(), 0);
   EXPECT_FALSE(calibrate_drive(simulate_drive(truth, CameraMotion::kSteps, 1)).tilt_observed);
+}
+
+TEST(DriveCalibration, OfOneCircleSaysWhatItDoesNotShowInsteadOfInventingIt) {
+  const DriveTruth truth;
+  DriveInput input = simulate_drive(truth, CameraMotion::kSteps, 2, true);
+  input.camera.erase(input.camera.begin(), input.camera.begin() + 25);  // the start shows the clocks' offset
+  const auto found = calibrate_drive(input);
+  EXPECT_FALSE(found.observed(kTimeOffset));
+  EXPECT_FALSE(found.observed(kMountYaw));
+  EXPECT_THAT(unobserved(found), Contains(HasSubstr("do not drive in one circle")));
+  EXPECT_THAT(unobserved(found), Contains(HasSubstr("height")));
+  // A turn and a speed are all that a circle shows, of the two scales, the track and the three of the mounting.
+  for (const auto k : {kLeftScale, kRightScale, kTrack, kMountX, kMountY}) EXPECT_FALSE(found.observed(k)) << k;
+  const auto driven = calibrate_drive(simulate_drive(truth, CameraMotion::kSteps, 2));
+  for (int k = 0; k < kDriveParameters; ++k) EXPECT_TRUE(driven.observed(static_cast<DriveParameter>(k))) << k;
+  EXPECT_EQ(unobserved(driven).size(), 2U) << "tilt and height";
+}
+
+TEST(DriveCalibration, TheOdometrysScaleIsInTheDeviationsOfTheWheels) {
+  DriveInput input = simulate_drive({}, CameraMotion::kSteps, 4);
+  input.step_scale_deviation = 1e-6;
+  const auto trusted = calibrate_drive(input);
+  input.step_scale_deviation = 0.005;
+  const auto doubted = calibrate_drive(input);
+  EXPECT_LT(trusted.deviation(kLeftScale), 0.002);
+  EXPECT_NEAR(doubted.deviation(kLeftScale), std::hypot(trusted.deviation(kLeftScale), 0.005), 5e-4);
 }
 
 TEST(DriveCalibration, SaysInASentenceWhatCannotBeUsed) {

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "common/error.h"
 #include "perception/stereo/calibration_file.h"
 #include "tests/calib/simulated_views.h"
 
@@ -37,13 +38,34 @@ TEST(CalibOutput, TheStackReadsKalibrsCamchainBackUnchanged) {
   }
 }
 
-TEST(CalibOutput, TheStackReadsOpencvsYamlBackUnchanged) {
-  const RigEstimate rig = simulated_rig(DistortionModel::kRadialTangential);
+StereoCalibration stereo_of(const RigEstimate& rig) {
   StereoCalibration stereo;
   stereo.left = rig.cameras[0];
   stereo.right = rig.cameras[1];
   stereo.T_right_left = rig.T_cam_first[1];
-  expect_same(read_back(to_opencv_yaml(stereo)), rig);
+  return stereo;
+}
+
+TEST(CalibOutput, TheStackReadsOpencvsYamlBackUnchangedWithEitherLens) {
+  for (const auto model : {DistortionModel::kRadialTangential, DistortionModel::kEquidistant}) {
+    const RigEstimate rig = simulated_rig(model);
+    expect_same(read_back(to_opencv_yaml(stereo_of(rig))), rig);
+  }
+  EXPECT_THROW((void)read_back("%YAML:1.0\n---\nimage_width: 9\nimage_height: 9\ndistortion_model: fov\n"), InputError);
+}
+
+TEST(CalibOutput, OurRigFileKeepsWhatACalibrationOfTheCamerasDoesNotKnow) {
+  RigConfig before;
+  before.name = "mine";
+  before.T_body_cam.translation_m = {0.2, 0.1, 0.4};
+  before.rate_hz = 7;
+  const RigConfig after = to_rig_config(stereo_of(simulated_rig(DistortionModel::kEquidistant)), before);
+  EXPECT_EQ(after.name, "mine");
+  EXPECT_EQ(after.T_body_cam.translation_m, before.T_body_cam.translation_m);
+  EXPECT_EQ(after.rate_hz, 7);
+  EXPECT_EQ(after.left.fx_px, 760);
+  EXPECT_EQ(after.left.distortion, "equidistant");
+  EXPECT_NEAR(after.T_right_left.translation_m[0], -0.26, 1e-12);
 }
 
 TEST(CalibOutput, KalibrsNumbersAlwaysHaveADecimalPoint) {

@@ -50,7 +50,7 @@ void slip(base::WheelMotors& wheels, std::mt19937_64& random) {
 
 }  // namespace
 
-DriveInput simulate_drive(const DriveTruth& truth, CameraMotion motion, std::uint32_t seed) {
+DriveInput simulate_drive(const DriveTruth& truth, CameraMotion motion, std::uint32_t seed, bool circle) {
   std::mt19937_64 random(seed);
   std::normal_distribution<double> normal;
   std::uniform_real_distribution<double> uniform(-1, 1);
@@ -63,11 +63,13 @@ DriveInput simulate_drive(const DriveTruth& truth, CameraMotion motion, std::uin
   DriveInput input;
   input.motion = motion;
   input.track_m = 0.39;
+  input.step_scale_deviation = sim::OdometryNoise{}.scale;
   Twist2 wanted;
   const int steps = static_cast<int>(kDurationS / kStepS);
   for (int i = 0; i < steps; ++i) {
     if (i % 300 == 0) wanted = {0.3 + 0.2 * uniform(random), 0.9 * uniform(random)};
     if (i % 1200 == 900) wanted.speed_mps = 0;  // turns on the spot
+    if (circle) wanted = {0.3, 0.5};
     const double t_s = i * kStepS;
     if (i % kWheelSteps == 0) {
       input.wheels.push_back({t_s + truth.time_offset_s, wheels.count(base::Side::kLeft) / motors.counts_per_m,
@@ -101,7 +103,7 @@ Eigen::Matrix<double, kDriveParameters, 1> error_of(const DriveCalibration& foun
   Eigen::Matrix<double, kDriveParameters, 1> error;
   error << found.left_scale - truth.left_scale, found.right_scale - truth.right_scale, found.track_m - truth.track_m,
       found.time_offset_s - truth.time_offset_s, mount.x_m - truth.mount_x_m, mount.y_m - truth.mount_y_m,
-      mount.yaw_rad - truth.mount_yaw_rad;
+      mount.yaw_rad - truth.mount_yaw_rad, 0;
   return error;
 }
 

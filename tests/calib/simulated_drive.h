@@ -18,11 +18,12 @@ struct DriveTruth {
   double mount_x_m = 0.03, mount_y_m = -0.02, mount_yaw_rad = 0.035, mount_pitch_rad = 0.01;
 };
 
-/// Two minutes of arcs, turns and straight ways. kSteps: odometry with the simulator's noise. kPoses: the tag cube, 4
-/// mm and 2 mrad.
-[[nodiscard]] DriveInput simulate_drive(const DriveTruth& truth, CameraMotion motion, std::uint32_t seed);
+/// Two minutes of arcs, turns and straight ways, or of one circle. kSteps: odometry with the simulator's noise. kPoses:
+/// the tag cube, 4 mm and 2 mrad.
+[[nodiscard]] DriveInput simulate_drive(const DriveTruth& truth, CameraMotion motion, std::uint32_t seed,
+                                        bool circle = false);
 
-/// Errors of a calibration, by DriveParameter.
+/// Errors of a calibration, by DriveParameter; 0 for the scale of steps.
 [[nodiscard]] Eigen::Matrix<double, kDriveParameters, 1> error_of(const DriveCalibration& found,
                                                                   const DriveTruth& truth);
 

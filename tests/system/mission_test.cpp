@@ -62,6 +62,18 @@ TEST_F(MissionTest, ALapIsDrivenOnItsOwnPoseAndItsLogReplaysByteForByte) {
   EXPECT_EQ(comparison.different, 0);
 }
 
+TEST_F(MissionTest, PerceptionMayBelieveInAnotherRigThanTheCamerasOfTheWorldHave) {
+  const MissionSpec own = square(1, {});
+  EXPECT_EQ(own.depth.rig.filename(), "wifibot_stereo.yaml");
+  MissionOverrides overrides;
+  overrides.rig = "believed.yaml";
+  const MissionSpec spec = load_mission(kConfig / "missions/square.yaml", overrides);
+  for (const auto& rig : {spec.depth.rig, spec.odometry.rig, spec.tags.rig, spec.mapping.rig, spec.mission.rig}) {
+    EXPECT_EQ(rig, fs::absolute("believed.yaml"));
+  }
+  EXPECT_EQ(spec.sim.robot, own.sim.robot) << "whose rig file the simulator loads by itself";
+}
+
 TEST_F(MissionTest, TheSameSeedGivesTheSameBytesWithAnyNumberOfThreads) {
   std::vector<std::string> brief = kShort;
   brief.emplace_back("mission.max_time_s=6");

@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: The arpent authors
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// `./arpent calibrate WHAT`: boards to print, cameras, inertial units (docs/calibration.md).
+// `./arpent calibrate WHAT`: boards to print, cameras, inertial units, wheels, the camera's place
+// (docs/calibration.md).
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <filesystem>
@@ -10,10 +11,14 @@
 #include "calib/artwork.h"
 #include "calib/output.h"
 #include "common/atomic_file.h"
+#include "common/bus/lcm_bus.h"
 #include "common/config/rig.h"
 #include "common/error.h"
+#include "tools/calibrate/camera_imu_log.h"
+#include "tools/calibrate/drive_report.h"
 #include "tools/calibrate/files.h"
 #include "tools/calibrate/imu_log.h"
+#include "tools/calibrate/live_capture.h"
 #include "tools/calibrate/stereo_report.h"
 #include "tools/progress.h"
 
@@ -23,10 +28,12 @@ using namespace arpent;
 namespace fs = std::filesystem;
 
 struct Flags {
-  std::string target, pdf, page = "a4", images, corners, log, out, json, lens = "radtan";
+  std::string target, pdf, page = "a4", images, corners, log, out, json, lens = "radtan",
+                           lcm_url = arpent::kDefaultLcmUrl;
   std::vector<int> size{0, 0};
   std::size_t most_views = 80;
-  bool force = false;
+  bool force = false, live = false;
+  tools::DriveSources drive;
 };
 
 /// Width and height [m].
@@ -60,6 +67,7 @@ calib::BoardViews load_views(const Flags& flags) {
     return tools::views_from_log(target, flags.log, flags.most_views,
                                  [](auto done, auto total) { tools::show_progress("corners", done, total); });
   }
+  if (flags.live) return tools::capture_live(flags.lcm_url, target);
   auto views = tools::views_from_corners(target, flags.corners, {flags.size[0], flags.size[1]});
   if (flags.size[0] == 0) {
     std::printf("took the images to be %d x %d: --size says otherwise\n", views.cameras[0].width_px,
@@ -68,14 +76,15 @@ calib::BoardViews load_views(const Flags& flags) {
   return views;
 }
 
-void write_calibration(const calib::Calibration& found, const fs::path& out) {
+void write_calibration(const calib::Calibration& found, const std::string& rig_file, const fs::path& out) {
   atomic_write(out / "camchain.yaml", calib::to_camchain_yaml(found.rig));
   if (found.rig.cameras.size() < 2 || !find_faults(calib::to_stereo(found.rig)).empty()) return;
   const StereoCalibration stereo = calib::to_stereo(found.rig);
-  if (stereo.left.distortion != DistortionModel::kEquidistant) {
-    atomic_write(out / "opencv.yaml", calib::to_opencv_yaml(stereo));
-  }
-  atomic_write(out / "rig.yaml", config::to_yaml(to_rig(stereo, "calibrated")));
+  atomic_write(out / "opencv.yaml", calib::to_opencv_yaml(stereo));
+  RigConfig before;
+  before.name = "calibrated";
+  if (!rig_file.empty()) before = load_rig(rig_file).config;
+  atomic_write(out / "rig.yaml", config::to_yaml(calib::to_rig_config(stereo, before)));
 }
 
 int calibrate_cameras(const Flags& flags) {
@@ -93,7 +102,7 @@ int calibrate_cameras(const Flags& flags) {
     std::printf("%s: only the report was written (--force writes the rest)\n", flags.out.c_str());
     return 1;
   }
-  write_calibration(found, flags.out);
+  write_calibration(found, flags.drive.rig, flags.out);
   std::printf("%s: camchain.yaml, report.html%s\n", flags.out.c_str(),
               found.rig.cameras.size() > 1 ? ", rig.yaml and more" : "");
   return 0;
@@ -104,6 +113,34 @@ int measure_imu(const Flags& flags) {
   std::printf("%s", tools::summarize(result).c_str());
   tools::write_imu_files(result, flags.out);
   std::printf("%s: imu.yaml, allan.csv, report.html\n", flags.out.c_str());
+  return 0;
+}
+
+int calibrate_drive(tools::DriveSubject subject, Flags flags) {
+  cv::setNumThreads(1);
+  flags.drive.log = flags.log;
+  const tools::DriveLog drive =
+      tools::load_drive(flags.drive, [](auto done, auto total) { tools::show_progress("log", done, total); });
+  const calib::DriveCalibration found = calib::calibrate_drive(drive.input);
+  std::printf("%s", tools::summarize(subject, drive, found).c_str());
+  tools::write_drive_files(subject, drive, found, flags.out);
+  if (!flags.json.empty()) atomic_write(flags.json, tools::to_json(subject, drive, found).dump(1) + "\n");
+  std::printf("%s: %s, report.html\n", flags.out.c_str(),
+              subject == tools::DriveSubject::kWheels ? "wheels.yaml" : "rig.yaml");
+  return 0;
+}
+
+int calibrate_camera_imu(const Flags& flags) {
+  cv::setNumThreads(1);
+  const tools::CameraImuLog log =
+      tools::load_camera_imu({flags.log, flags.drive.rig, flags.target},
+                             [](auto done, auto total) { tools::show_progress("log", done, total); });
+  const calib::CameraImuCalibration found = calib::calibrate_camera_imu(log.input);
+  std::printf("%s", tools::summarize(log, found).c_str());
+  tools::write_camera_imu_files(log, found, flags.out);
+  if (!flags.json.empty()) atomic_write(flags.json, tools::to_json(log, found).dump(1) + "\n");
+  std::printf("%s: camchain-imucam.yaml, report.html%s\n", flags.out.c_str(),
+              found.rotation_observed() ? ", imu_mount.yaml" : "");
   return 0;
 }
 
@@ -125,7 +162,9 @@ void add_stereo(CLI::App& app, Flags& flags) {
   input->add_option("--corners", flags.corners,
                     "folder of CSV files, one per view and camera: kp_x, kp_y, p_x, p_y, p_z");
   input->add_option("--log", flags.log, "LCM log with STEREO_IMAGES");
+  input->add_flag("--live", flags.live, "STEREO_IMAGES from the bus, with advice what to show next");
   input->require_option(1);
+  sub->add_option("--lcm-url", flags.lcm_url, "bus, for --live")->capture_default_str();
   sub->add_option("--out", flags.out, "folder for camchain.yaml, opencv.yaml, rig.yaml, report.html")->required();
   sub->add_option("--json", flags.json, "write all figures to this file");
   sub->add_option("--lens", flags.lens, "distortion")
@@ -135,6 +174,7 @@ void add_stereo(CLI::App& app, Flags& flags) {
   sub->add_option("--max-views", flags.most_views, "views taken from a log")
       ->capture_default_str()
       ->check(CLI::Range(4, 1000));
+  sub->add_option("--rig", flags.drive.rig, "rig file whose mounting, range and rate rig.yaml takes over");
   sub->add_flag("--force", flags.force, "write a calibration that is bad, too");
 }
 
@@ -142,6 +182,30 @@ void add_imu(CLI::App& app, Flags& flags) {
   CLI::App* sub = app.add_subcommand("imu", "noise of an inertial unit from a log at rest (three hours are good)");
   sub->add_option("--log", flags.log, "LCM log with IMU")->required();
   sub->add_option("--out", flags.out, "folder for imu.yaml (Kalibr's), allan.csv, report.html")->required();
+}
+
+void add_drive(CLI::App& app, const char* name, const char* what, const char* out, Flags& flags) {
+  CLI::App* sub = app.add_subcommand(name, what);
+  sub->add_option("--log", flags.log, "LCM log of a drive: WHEEL_STATE, and ODOMETRY, TAG_OBSERVATION or STEREO_IMAGES")
+      ->required();
+  sub->add_option("--out", flags.out, out)->required();
+  sub->add_option("--json", flags.json, "write all figures to this file");
+  sub->add_option("--robot", flags.drive.robot, "robot file, if the log brings none");
+  sub->add_option("--rig", flags.drive.rig, "rig file, if the log brings none");
+  sub->add_option("--tags", flags.drive.tags, "configuration of tag_process with the cube, if the log brings none");
+  sub->add_option("--by", flags.drive.by,
+                  "the camera's motion: by tags, or by odometry; auto: tags, if they are mostly seen")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"auto", "tags", "odometry"}));
+}
+
+void add_camera_imu(CLI::App& app, Flags& flags) {
+  CLI::App* sub = app.add_subcommand("camera-imu", "rotation, place and delay between camera and inertial unit");
+  sub->add_option("--log", flags.log, "LCM log of an excited motion: IMU, and ODOMETRY or STEREO_IMAGES")->required();
+  sub->add_option("--out", flags.out, "folder for camchain-imucam.yaml, imu_mount.yaml, report.html")->required();
+  sub->add_option("--target", flags.target, "target.yaml of a board in the pictures; else the odometry is used");
+  sub->add_option("--json", flags.json, "write all figures to this file");
+  sub->add_option("--rig", flags.drive.rig, "rig file, if the log brings none");
 }
 
 }  // namespace
@@ -154,8 +218,15 @@ int main(int argc, char** argv) {
   add_target(app, flags);
   add_stereo(app, flags);
   add_imu(app, flags);
+  add_drive(app, "wheels", "scales, track and clock of the wheels from a drive", "folder for wheels.yaml, report.html",
+            flags);
+  add_drive(app, "body", "the camera's place on the body from a drive", "folder for rig.yaml, report.html", flags);
+  add_camera_imu(app, flags);
   try {
     app.parse(argc, argv);
+    if (app.got_subcommand("camera-imu")) return calibrate_camera_imu(flags);
+    if (app.got_subcommand("wheels")) return calibrate_drive(tools::DriveSubject::kWheels, flags);
+    if (app.got_subcommand("body")) return calibrate_drive(tools::DriveSubject::kBody, flags);
     if (app.got_subcommand("target")) return print_target(flags);
     return app.got_subcommand("imu") ? measure_imu(flags) : calibrate_cameras(flags);
   } catch (const CLI::ParseError& error) {

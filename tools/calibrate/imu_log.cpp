@@ -8,10 +8,8 @@
 #include <cmath>
 
 #include "common/atomic_file.h"
-#include "common/channels.h"
 #include "common/error.h"
-#include "common/log/event_log.h"
-#include "drivers/imu/wire.h"
+#include "tools/calibrate/motion_log.h"
 #include "tools/report/html.h"
 
 namespace arpent::tools {
@@ -24,20 +22,6 @@ constexpr double kLeastDurationS = 600, kGoodDurationS = 3 * 3600;
 constexpr double kMostLost = 1e-3;
 /// A unit at rest turns with its bias; means over a second that differ from the whole's by more are motion.
 constexpr double kMovedRadps = 0.03, kMovedMps2 = 0.5;
-
-std::vector<imu::Reading> read_imu(const std::filesystem::path& log) {
-  LogReader reader(log);
-  std::vector<imu::Reading> readings;
-  const std::string suffix = std::string("/") + channels::kImu;
-  while (const auto event = reader.next()) {
-    if (event->channel != channels::kImu && !event->channel.ends_with(suffix)) continue;
-    imu_t message;
-    if (message.decode(event->data.data(), 0, static_cast<int>(event->data.size())) < 0) continue;
-    if (const auto reading = imu::from_wire(message)) readings.push_back(*reading);
-  }
-  if (readings.size() < 100) throw InputError(log.string() + ": has no IMU readings to speak of");
-  return readings;
-}
 
 double seconds_between(const imu::Reading& a, const imu::Reading& b) {
   return 1e-6 * static_cast<double>(to_utime(b.stamp) - to_utime(a.stamp));
@@ -88,7 +72,8 @@ double walk_or_bound(const calib::AxisNoise& noise) {
 }  // namespace
 
 StaticImu load_static_imu(const std::filesystem::path& log) {
-  const auto readings = read_imu(log);
+  const auto readings = read_motion_log(log, [](auto, auto) {}).imu;
+  if (readings.size() < 100) throw InputError(log.string() + ": has no IMU readings to speak of");
   StaticImu imu;
   imu.period_s = median_period_s(readings);
   if (!(imu.period_s > 0)) throw InputError(log.string() + ": the readings' times do not advance");

@@ -2,34 +2,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/format.h>
 
-#include <map>
-
+#include "calib/coach.h"
 #include "common/channels.h"
 #include "common/error.h"
 #include "common/log/event_log.h"
 #include "perception/stereo/wire.h"
 #include "tools/calibrate/files.h"
+#include "tools/calibrate/motion_log.h"
 
 namespace arpent::tools {
 namespace {
-
-/// Mean distance [px] of the corners that two lists share; far if they share none.
-double moved_px(const calib::Corners& a, const calib::Corners& b) {
-  std::map<int, Eigen::Vector2d> before;
-  for (const auto& corner : a) before[corner.index] = corner.px;
-  double sum = 0, n = 0;
-  for (const auto& corner : b) {
-    const auto at = before.find(corner.index);
-    if (at == before.end()) continue;
-    sum += (corner.px - at->second).norm();
-    n += 1;
-  }
-  return n > 0 ? sum / n : 1e9;
-}
-
-bool is_images_channel(const std::string& channel) {
-  return channel == channels::kStereoImages || channel.ends_with(std::string("/") + channels::kStereoImages);
-}
 
 /// `count` of the views, spread evenly.
 void thin_out(std::vector<calib::View>& views, std::size_t count) {
@@ -49,7 +31,7 @@ calib::BoardViews views_from_log(const calib::Target& target, const std::filesys
   calib::BoardViews views{target, {{"left", 0, 0}, {"right", 0, 0}}, {}};
   std::size_t pairs = 0;
   while (const auto event = reader.next()) {
-    if (!is_images_channel(event->channel)) continue;
+    if (!is_channel(event->channel, channels::kStereoImages)) continue;
     stereo_images_t message;
     if (message.decode(event->data.data(), 0, static_cast<int>(event->data.size())) < 0) continue;
     const auto pair = stereo::from_wire(message);
@@ -65,7 +47,8 @@ calib::BoardViews views_from_log(const calib::Target& target, const std::filesys
     calib::View view{fmt::format("{}", message.utime), {detector.detect(pair->left), detector.detect(pair->right)}};
     if (view.cameras[0].empty() && view.cameras[1].empty()) continue;
     const double least_px = kLeastMove * views.cameras[0].width_px;
-    const bool moved = views.views.empty() || moved_px(views.views.back().cameras[0], view.cameras[0]) > least_px;
+    const bool moved =
+        views.views.empty() || calib::moved_px(views.views.back().cameras[0], view.cameras[0]) > least_px;
     if (moved) views.views.push_back(std::move(view));
   }
   if (pairs == 0) throw InputError(log.string() + ": has no STEREO_IMAGES");

@@ -12,6 +12,7 @@
 
 #include "common/error.h"
 #include "tools/launch/launcher.h"
+#include "tools/launch/systemd.h"
 
 namespace {
 
@@ -66,8 +67,14 @@ LaunchFile read(const fs::path& file, const fs::path& bin) {
   return launch;
 }
 
-int run(const fs::path& file, const fs::path& bin) {
-  const LaunchFile launch = read(file, bin);
+int print_units(const LaunchFile& launch) {
+  for (const UnitFile& unit : to_units(launch.processes, fs::current_path())) {
+    fmt::print("# {}\n{}\n", unit.name, unit.text);
+  }
+  return 0;
+}
+
+int run(const LaunchFile& launch) {
   Launcher launcher(launch.log);
   for (const ProcessSpec& spec : launch.processes) launcher.start(spec);
   std::printf("%zu processes run; their output is in %s; Ctrl-C stops them\n", launch.processes.size(),
@@ -91,12 +98,15 @@ int main(int argc, char** argv) {
   CLI::App app{"Starts, watches, restarts and stops the processes of a robot (docs/config.md describes the file)."};
   app.name("arpent launch");
   std::string file;
+  bool units = false;
   app.add_option("FILE", file, "launch file (YAML)")->required();
+  app.add_flag("--systemd", units, "start nothing: print the processes as units of systemd");
   std::signal(SIGINT, on_signal);
   std::signal(SIGTERM, on_signal);
   try {
     app.parse(argc, argv);
-    return run(file, fs::canonical("/proc/self/exe").parent_path());
+    const LaunchFile launch = read(fs::absolute(file), fs::canonical("/proc/self/exe").parent_path());
+    return units ? print_units(launch) : run(launch);
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : 2;
   } catch (const InputError& error) {

@@ -81,15 +81,17 @@ MissionSpec load_mission(const std::filesystem::path& file, const MissionOverrid
   auto robot = config::load<RobotConfig>(spec.robot);
   robot.rig = std::filesystem::absolute(robot.rig);
   const sim::World world = sim::load_world(spec.world);
+  (void)sim::start_of(world, spec.start);  // live it would be the simulator that finds it out
   spec.sim.world = spec.world;
   spec.sim.robot = spec.base.robot = spec.tracker.robot = spec.robot;
   spec.sim.start = spec.start;
   spec.sim.seed = spec.seed;
   spec.sim.sensing = spec.sensing;
   spec.odometry.odometry.seed = spec.seed;
-  spec.depth.rig = spec.odometry.rig = spec.tags.rig = spec.mapping.rig = robot.rig;
+  const auto rig = overrides.rig.empty() ? robot.rig : std::filesystem::absolute(overrides.rig);
+  spec.depth.rig = spec.odometry.rig = spec.tags.rig = spec.mapping.rig = rig;
   spec.pose.fusion.wheels.track_m = robot.base.geometry.track_m;
-  spec.mission.rig = robot.rig;
+  spec.mission.rig = rig;
   spec.mission.explore.tsdf = spec.mapping.tsdf;
   spec.mission.explore.footprint = {robot.semi_axis_long_m, robot.semi_axis_short_m};
   spec.mission.explore.nominal_speed_mps = robot.limits.max_speed_mps;

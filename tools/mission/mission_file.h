@@ -80,6 +80,7 @@ struct MissionSpec {
 /// What the command line says on top of the file.
 struct MissionOverrides {
   std::filesystem::path world;
+  std::filesystem::path rig;  ///< what perception believes in, while the simulator keeps the robot's own
   std::optional<int> seed;
   std::string sensing;
   std::optional<int> robots;

@@ -32,6 +32,8 @@ struct Flags {
 void add_options(CLI::App& app, Flags& flags) {
   app.add_option("FILE", flags.file, "mission file (config/missions)")->required();
   app.add_option("--world", flags.overrides.world, "world file instead of the mission's");
+  app.add_option("--rig", flags.overrides.rig,
+                 "rig file that perception believes in; the simulator's cameras stay as the robot's rig file says");
   app.add_option("--seed", flags.seed, "seed of all simulated noise");
   app.add_option("--trials", flags.trials, "so many runs with seeds one after the other")->check(CLI::Range(1, 10000));
   app.add_option("--jobs", flags.jobs, "runs at the same time")->check(CLI::Range(1, 64));

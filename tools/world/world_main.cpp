@@ -40,10 +40,7 @@ int check(const Flags& flags) {
 int render(const Flags& flags) {
   const sim::World world = sim::load_world(flags.world);
   const Rig rig = load_rig(flags.rig);
-  if (flags.start < 0 || flags.start >= static_cast<int>(world.starts.size())) {
-    throw InputError("--start must be between 0 and " + std::to_string(world.starts.size() - 1));
-  }
-  Pose2 pose = world.starts[static_cast<std::size_t>(flags.start)];
+  Pose2 pose = sim::start_of(world, flags.start);
   if (!flags.pose.empty()) pose = {flags.pose[0], flags.pose[1], flags.pose[2]};
   tools::write_pictures(tools::draw_world(world, rig, pose), flags.out);
   std::printf("%s\n", flags.out.c_str());

@@ -74,6 +74,38 @@ TEST(CommandGate, TheEmergencyStopIsLatchedUntilALocalActWithZeroCommands) {
   EXPECT_EQ(gate.output(at_ms(141)), Twist2{});
 }
 
+TEST(CommandGate, WhatWaitedWhileTheDriverSleptMovesNothing) {
+  for (const bool looks_first : {true, false}) {
+    CommandGate gate = armed();
+    for (std::int64_t ms = 0; ms <= 100; ms += 5) gate.watch(at_ms(ms));
+    ASSERT_FALSE(gate.offer({0.3, 0}, at_ms(100)));
+    // Asleep for 120 ms: even the last command, still within its lifetime, is over, and what waited is refused.
+    if (looks_first) gate.watch(at_ms(220));
+    EXPECT_TRUE(gate.offer({0.2, 0}, at_ms(220)));
+    gate.watch(at_ms(221));
+    EXPECT_EQ(gate.output(at_ms(221)), Twist2{});
+    for (std::int64_t ms = 225; ms <= 425; ms += 5) {
+      gate.watch(at_ms(ms));
+      if (ms <= 420) {
+        EXPECT_TRUE(gate.offer({0.2, 0}, at_ms(ms))) << ms;
+      }
+      EXPECT_EQ(gate.output(at_ms(ms)), Twist2{});
+    }
+    gate.watch(at_ms(430));
+    EXPECT_FALSE(gate.offer({0.1, 0}, at_ms(430))) << "fresh again";
+    EXPECT_EQ(gate.output(at_ms(430)).speed_mps, 0.1);
+  }
+}
+
+TEST(CommandGate, ABriefHiccupOfTheDriverCostsNoCommand) {
+  CommandGate gate = armed();
+  gate.watch(at_ms(0));
+  ASSERT_FALSE(gate.offer({0.3, 0}, at_ms(10)));
+  gate.watch(at_ms(100));
+  EXPECT_EQ(gate.output(at_ms(100)).speed_mps, 0.3);
+  EXPECT_FALSE(gate.offer({0.2, 0}, at_ms(101)));
+}
+
 TEST(CommandGate, NothingMovesUnlessArmedFreshAndWithinLimitsWhateverHappens) {
   std::mt19937 random(1);
   std::uniform_real_distribution<double> uniform(-1.5, 1.5);

@@ -2,15 +2,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/format.h>
 #include <gmock/gmock.h>
-#include <sys/wait.h>
 
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <random>
-#include <sstream>
 
+#include "common/bus/lockstep.h"
+#include "common/bus/typed.h"
 #include "common/channels.h"
 #include "common/config/rig.h"
 #include "common/error.h"
@@ -20,8 +20,10 @@
 #include "perception/stereo/wire.h"
 #include "tests/calib/board_picture.h"
 #include "tests/calib/simulated_views.h"
+#include "tests/tools/calibrate/verb.h"
 #include "tools/calibrate/files.h"
 #include "tools/calibrate/imu_log.h"
+#include "tools/calibrate/live_capture.h"
 
 namespace arpent::tools {
 namespace {
@@ -29,25 +31,12 @@ namespace {
 namespace fs = std::filesystem;
 using testing::HasSubstr;
 
-class CalibrateVerb : public testing::Test {
+class CalibrateVerb : public VerbTest {
  protected:
+  CalibrateVerb() : VerbTest("calibrate_test") {}
   void SetUp() override {
-    folder_ = fs::temp_directory_path() / fmt::format("calibrate_test_{}", getpid());
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
+    VerbTest::SetUp();
     std::ofstream(folder_ / "target.yaml") << calib::to_yaml(calib::Target{});
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
-  /// Runs the verb; output and errors go to output_.
-  int run(const std::string& arguments) {
-    const std::string file = (folder_ / "output.txt").string();
-    const int status =
-        std::system(fmt::format("{}/arpent-calibrate {} > {} 2>&1", ARPENT_BIN_DIR, arguments, file).c_str());
-    std::stringstream text;
-    text << std::ifstream(file).rdbuf();
-    output_ = text.str();
-    return WEXITSTATUS(status);
   }
 
   void write_corners(const calib::BoardViews& views) const {
@@ -63,9 +52,6 @@ class CalibrateVerb : public testing::Test {
       }
     }
   }
-
-  fs::path folder_;
-  std::string output_;
 };
 
 TEST_F(CalibrateVerb, FromCornersWritesFilesThatTheStackReads) {
@@ -121,6 +107,31 @@ TEST_F(CalibrateVerb, NamesWhatCannotBeUsed) {
   EXPECT_EQ(run("stereo"), 2);
 }
 
+TEST_F(CalibrateVerb, HasASentenceForViewsThatCannotBeUsed) {
+  const auto rig = calib::simulated_rig(DistortionModel::kRadialTangential);
+  const std::string arguments =
+      fmt::format("stereo --target {0}/target.yaml --corners {0}/corners --out {0}/out", folder_.string());
+  calib::SimulationOptions options;
+  options.views = 3;
+  write_corners(calib::simulate_views(rig, options, 1));
+  EXPECT_EQ(run(arguments), 2);
+  EXPECT_THAT(output_, HasSubstr("too few views: cam0 sees the board in 3 of them"));
+  options.views = 8;
+  auto views = calib::simulate_views(rig, options, 2);
+  const auto together = views;
+  // Two clocks: no picture of the right camera has the name of one of the left.
+  for (std::size_t v = 0; v < 8; ++v) views.views[v].cameras[v % 2].clear();
+  write_corners(views);
+  EXPECT_EQ(run(arguments), 2);
+  EXPECT_THAT(output_, HasSubstr("never sees the board together with another camera"));
+  EXPECT_THAT(output_, HasSubstr("are the clocks the same?"));
+  views = together;
+  for (auto& view : views.views) std::swap(view.cameras[0], view.cameras[1]);
+  write_corners(views);
+  EXPECT_EQ(run(arguments), 1);
+  EXPECT_THAT(output_, HasSubstr("swapped"));
+}
+
 TEST_F(CalibrateVerb, CornersOffTheBoardAreRefused) {
   calib::SimulationOptions options;
   options.views = 5;
@@ -167,6 +178,41 @@ TEST_F(CalibrateVerb, TakesPairsFromALogBetweenWhichTheBoardMoved) {
   EXPECT_EQ(views.views[0].name, "200000");
   EXPECT_EQ(views.views[1].name, "600000");
   EXPECT_GT(views.views[0].cameras[1].size(), 50U);
+}
+
+/// Live pictures of a board that is held still at one place after the other.
+TEST_F(CalibrateVerb, LiveGuidanceFollowsThePicturesOnTheBus) {
+  const auto rig = calib::simulated_rig(DistortionModel::kRadialTangential);
+  const sim::CameraModel left(rig.cameras[0]), right(rig.cameras[1]);
+  LockstepExecutor executor(from_utime(0));
+  std::vector<std::string> lines;
+  LiveCapture capture(executor.add_process("calibrate").bus, {}, [&](const auto& line) { lines.push_back(line); });
+  EXPECT_THROW((void)capture.views(), InputError) << "nothing came yet";
+  std::int64_t utime = 0;
+  const auto show = [&](const cv::Mat1b& a, const cv::Mat1b& b) {
+    utime += 200000;
+    executor.inject(from_utime(utime), channels::kStereoImages,
+                    encode(stereo::to_wire({from_utime(utime), utime / 200000, a, b}, false)));
+    executor.run_until(from_utime(utime));
+  };
+  show(cv::Mat1b(1024, 1280, 90), cv::Mat1b(1024, 1280, 90));
+  for (const std::size_t board : {0U, 1U}) {
+    const Pose T = calib::simulated_boards({}, 1)[board];
+    const auto a = calib::draw_board({}, left, T, board),
+               b = calib::draw_board({}, right, rig.T_cam_first[1] * T, board);
+    show(a, b);
+    show(a, b);
+  }
+  show(cv::Mat1b(512, 640, 90), cv::Mat1b(512, 640, 90));
+  ASSERT_EQ(lines.size(), 6U) << testing::PrintToString(lines);
+  EXPECT_EQ(lines[0], "no board in sight");
+  EXPECT_EQ(lines[1], "hold it still");
+  EXPECT_THAT(lines[2], HasSubstr("view 1 taken"));
+  EXPECT_THAT(lines[2], HasSubstr("next: show it in the "));
+  EXPECT_THAT(lines[4], HasSubstr("view 2 taken"));
+  EXPECT_THAT(lines[5], HasSubstr("mixed sizes"));
+  EXPECT_EQ(capture.views().views.size(), 2U);
+  EXPECT_FALSE(capture.complete());
 }
 
 /// A unit at rest for `seconds` at 20 Hz with white noise; it is turned at `moved_s`.

@@ -1,0 +1,146 @@
+// SPDX-FileCopyrightText: The arpent authors
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// `arpent mission --live` as a user starts it: separate processes on a bus of their own, in real time. Ctrl-C and the
+// mission's own limit both end it in order: exit code, log, report, a robot that is disarmed and stands.
+#include <fcntl.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <sstream>
+#include <thread>
+
+#include "common/bus/lcm_bus.h"
+#include "common/bus/typed.h"
+#include "common/channels.h"
+#include "common/error.h"
+#include "common/log/event_log.h"
+#include "common/net/private_network.h"
+#include "drivers/base/wire.h"
+
+namespace arpent {
+namespace {
+
+namespace fs = std::filesystem;
+using namespace std::chrono_literals;
+using Steady = std::chrono::steady_clock;
+using testing::HasSubstr;
+
+/// Raw pairs of 640x512 come to 0.66 MB each: a dozen of them.
+constexpr std::uintmax_t kPairsFlowBytes = 8'000'000;
+
+class LiveMission : public testing::Test {
+ protected:
+  void SetUp() override {
+    (void)enter_private_network();
+    try {
+      const LcmBus bus("udpm://239.255.76.67:" + std::to_string(private_port()) + "?ttl=0");
+    } catch (const InputError& error) {
+      GTEST_SKIP() << "no multicast here: " << error.what();
+    }
+    fs::create_directories(out_);
+  }
+  ~LiveMission() override {
+    if (mission_ > 0) kill(mission_, SIGKILL);
+    fs::remove_all(out_);
+  }
+  void start(const std::vector<std::string>& arguments) {
+    std::vector<std::string> words{ARPENT_BIN_DIR "/arpent-mission", ARPENT_SOURCE_DIR "/config/missions/square.yaml",
+                                   "--live", "--out", out_.string()};
+    words.insert(words.end(), arguments.begin(), arguments.end());
+    std::vector<char*> argv;
+    for (std::string& word : words) argv.push_back(word.data());
+    argv.push_back(nullptr);
+    mission_ = fork();
+    if (mission_ != 0) return;
+    const int said = open((out_ / "said").c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
+    dup2(said, STDOUT_FILENO);
+    dup2(said, STDERR_FILENO);
+    execv(argv[0], argv.data());
+    _exit(127);
+  }
+  template <class Done>
+  static bool wait_until(Done done, std::chrono::seconds limit) {
+    for (const auto until = Steady::now() + limit; Steady::now() < until; std::this_thread::sleep_for(50ms)) {
+      if (done()) return true;
+    }
+    return done();
+  }
+  /// Its exit code; -1 if it does not end.
+  int exit_code(std::chrono::seconds limit) {
+    int status = 0;
+    if (!wait_until([&] { return waitpid(mission_, &status, WNOHANG) == mission_; }, limit)) return -1;
+    mission_ = -1;
+    return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+  }
+  std::string said() const {
+    std::stringstream text;
+    text << std::ifstream(out_ / "said").rdbuf();
+    return text.str();
+  }
+  bool pairs_flow() const {
+    std::error_code none_yet;
+    const std::uintmax_t size = fs::file_size(out_ / "live.lcmlog", none_yet);
+    return !none_yet && size > kPairsFlowBytes;
+  }
+  /// The log is whole, and the last that the base said is that it is disarmed and told to stand.
+  void expect_log_of_a_robot_at_rest(std::int64_t least_pairs) const {
+    LogReader log(out_ / "mission.lcmlog");
+    std::map<std::string, std::int64_t> count;
+    base::WheelState last;
+    while (const auto event = log.next()) {
+      ++count[event->channel];
+      if (event->channel != channels::kWheelState) continue;
+      wheel_state_t message;
+      std::string fault;
+      ASSERT_TRUE(decode_guarded(event->data, message, fault)) << fault;
+      last = *base::from_wire(message);
+    }
+    EXPECT_EQ(log.damage().bytes, 0);
+    for (const char* channel : {channels::kConfig, channels::kWheelState, channels::kImu, channels::kTruthPose,
+                                channels::kMissionState, channels::kHealth, channels::kCan}) {
+      EXPECT_GT(count[channel], 0) << channel;
+    }
+    EXPECT_GE(count[channels::kStereoImages], least_pairs);
+    EXPECT_EQ(last.gate, base::GateState::kDisarmed);
+    EXPECT_EQ(last.status.commanded, Twist2{});
+  }
+
+  fs::path out_ = fs::path(testing::TempDir()) /
+                  (std::string("live_") + testing::UnitTest::GetInstance()->current_test_info()->name());
+  pid_t mission_ = -1;
+};
+
+TEST_F(LiveMission, CtrlCEndsItInOrderAtAnyMoment) {
+  start({});
+  ASSERT_TRUE(wait_until([this] { return pairs_flow(); }, 60s)) << said();
+  kill(mission_, SIGINT);
+  EXPECT_EQ(exit_code(60s), 1) << said();
+  expect_log_of_a_robot_at_rest(8);
+  EXPECT_GT(fs::file_size(out_ / "report.html"), 1000U);
+  EXPECT_THAT(said(), HasSubstr("report"));
+  EXPECT_FALSE(fs::exists(out_ / "live.lcmlog")) << "the raw log has become mission.lcmlog";
+}
+
+TEST_F(LiveMission, ItsOwnLimitEndsItDisarmed) {
+  start({"--sensing", "depth", "--set", "mission.max_time_s=3"});
+  EXPECT_EQ(exit_code(90s), 1) << said();
+  expect_log_of_a_robot_at_rest(0);
+  EXPECT_THAT(said(), HasSubstr("max_time_s"));
+}
+
+TEST_F(LiveMission, WhatCannotRunIsSaidInOneLineBeforeAnythingStarts) {
+  start({"--set", "start=9"});
+  EXPECT_EQ(exit_code(60s), 2);
+  EXPECT_THAT(said(), HasSubstr("start 9"));
+}
+
+}  // namespace
+}  // namespace arpent

@@ -28,6 +28,15 @@ inline constexpr char kPath[] = "PATH";
 inline constexpr char kTrackerStatus[] = "TRACKER_STATUS";
 inline constexpr char kMissionCommand[] = "MISSION_COMMAND";
 inline constexpr char kMissionState[] = "MISSION_STATE";
+// A team. What a robot sends, and the same as others receive it over the radio.
+inline constexpr char kMapPatch[] = "MAP_PATCH";
+inline constexpr char kTeamPatch[] = "TEAM_PATCH";
+inline constexpr char kRobotState[] = "ROBOT_STATE";
+inline constexpr char kTeamState[] = "TEAM_STATE";
+inline constexpr char kTourReport[] = "TOUR_REPORT";
+inline constexpr char kTeamReport[] = "TEAM_REPORT";
+inline constexpr char kTour[] = "TOUR";
+inline constexpr char kTeamTour[] = "TEAM_TOUR";
 inline constexpr char kHealth[] = "HEALTH";
 
 }  // namespace arpent::channels

@@ -32,15 +32,16 @@ bool LockstepExecutor::Later::operator()(const Event& a, const Event& b) const {
 /// One process: its subscriptions, what waits for it, and what its running handler publishes.
 class LockstepExecutor::ProcessBus : public Bus, public Clock {
  public:
-  ProcessBus(LockstepExecutor& executor, std::string name) : executor_(executor), name_(std::move(name)) {}
+  ProcessBus(LockstepExecutor& executor, std::string name, std::string prefix)
+      : executor_(executor), name_(std::move(name)), prefix_(std::move(prefix)) {}
 
   void publish_bytes(const std::string& channel, BytesView bytes) override {
     health().count(channel, "published");
-    outputs_.push_back({channel, std::make_shared<const Bytes>(bytes.begin(), bytes.end())});
+    outputs_.push_back({full(channel), std::make_shared<const Bytes>(bytes.begin(), bytes.end())});
   }
 
   void subscribe_bytes(const std::string& channel, const SubscriptionOptions& options, RawHandler handler) override {
-    subscriptions_.push_back({channel, options, std::move(handler), {}});
+    subscriptions_.push_back({channel, full(channel), options, std::move(handler), {}});
   }
 
   [[nodiscard]] Time now() const override { return executor_.now(); }
@@ -52,14 +53,23 @@ class LockstepExecutor::ProcessBus : public Bus, public Clock {
   }
 
   void receive(const Event& event) {
+    if (silent_) return;
     for (Subscription& subscription : subscriptions_) {
-      if (subscription.channel == event.channel) enqueue(subscription, event);
+      if (subscription.full_channel == event.channel) enqueue(subscription, event);
     }
   }
 
   void ring(std::size_t timer) {
+    if (silent_) return;
     timers_[timer].due = true;
     schedule_timer(timer);
+  }
+
+  void silence(const std::string& prefix, const std::string& spared) {
+    if (prefix_ != prefix || name_ == spared) return;
+    silent_ = true;
+    for (Subscription& subscription : subscriptions_) subscription.queue.clear();
+    for (Timer& timer : timers_) timer.due = false;
   }
 
   [[nodiscard]] bool due(Time time) const { return busy_until_ <= time && next() != Next::kNothing; }
@@ -104,6 +114,7 @@ class LockstepExecutor::ProcessBus : public Bus, public Clock {
   };
   struct Subscription {
     std::string channel;
+    std::string full_channel;
     SubscriptionOptions options;
     RawHandler handler;
     std::deque<Waiting> queue;
@@ -115,17 +126,21 @@ class LockstepExecutor::ProcessBus : public Bus, public Clock {
   };
   enum class Next { kNothing, kTimer, kMessage };
 
+  [[nodiscard]] std::string full(const std::string& channel) const {
+    return channel.find('/') == std::string::npos ? prefix_ + channel : channel;
+  }
+
   void enqueue(Subscription& subscription, const Event& event) {
-    health().count(event.channel, "received");
+    health().count(subscription.channel, "received");
     if (event.bytes->size() > subscription.options.max_bytes) {
-      health().count(event.channel, "undecodable");
-      health().warn(event.channel + ": message above the channel's size limit dropped");
+      health().count(subscription.channel, "undecodable");
+      health().warn(subscription.channel + ": message above the channel's size limit dropped");
       return;
     }
     if (static_cast<int>(subscription.queue.size()) >= subscription.options.queue_capacity) {
       subscription.queue.pop_front();
-      health().count(event.channel, "dropped");
-      health().warn(event.channel + ": queue full, oldest message dropped");
+      health().count(subscription.channel, "dropped");
+      health().warn(subscription.channel + ": queue full, oldest message dropped");
     }
     subscription.queue.push_back({event.order, event.bytes});
   }
@@ -145,7 +160,8 @@ class LockstepExecutor::ProcessBus : public Bus, public Clock {
   }
 
   LockstepExecutor& executor_;
-  std::string name_;
+  std::string name_, prefix_;
+  bool silent_ = false;
   std::vector<Subscription> subscriptions_;
   std::vector<Timer> timers_;
   Time busy_until_{};
@@ -156,13 +172,17 @@ class LockstepExecutor::ProcessBus : public Bus, public Clock {
 LockstepExecutor::LockstepExecutor(Time start, int threads) : now_(start), threads_(std::max(1, threads)) {}
 LockstepExecutor::~LockstepExecutor() = default;
 
-LockstepExecutor::Endpoint LockstepExecutor::add_process(const std::string& name) {
-  processes_.push_back(std::make_unique<ProcessBus>(*this, name));
+LockstepExecutor::Endpoint LockstepExecutor::add_process(const std::string& name, const std::string& prefix) {
+  processes_.push_back(std::make_unique<ProcessBus>(*this, name, prefix));
   return {*processes_.back(), *processes_.back()};
 }
 
 void LockstepExecutor::inject(Time time, const std::string& channel, BytesView bytes) {
   push({std::max(time, now_), 0, channel, std::make_shared<const Bytes>(bytes.begin(), bytes.end()), nullptr, 0});
+}
+
+void LockstepExecutor::silence(const std::string& prefix, const std::string& spared) {
+  for (const auto& process : processes_) process->silence(prefix, spared);
 }
 
 void LockstepExecutor::push(Event event) {

@@ -35,7 +35,13 @@ class LockstepExecutor {
     Bus& bus;
     Clock& clock;
   };
-  [[nodiscard]] Endpoint add_process(const std::string& name);
+  /// `prefix`: the process is on a bus of its own kind, that of one robot: its channels are prefix + name for all
+  /// others
+  /// ("R1/" makes R1/POSE of POSE). A name with a slash in it is meant as it stands.
+  [[nodiscard]] Endpoint add_process(const std::string& name, const std::string& prefix = "");
+  /// From now on the processes of this prefix neither hear nor say anything, but for those named `spared`: a robot's
+  /// computer dies.
+  void silence(const std::string& prefix, const std::string& spared);
 
   void set_tap(Tap tap) { tap_ = std::move(tap); }
 

@@ -114,6 +114,8 @@ class LowLevelPlanner {
   /// The robot does not get on: its target counts as unreachable until something changes about where it stands, and the
   /// tour is void.
   void give_up_target(const LowLevelInput& input);
+  /// What was found unreachable may be tried again: teammates, which no map shows, have moved.
+  void forget_unreachable() { unreachable_.clear(); }
   [[nodiscard]] const UnreachableGoals& unreachable() const { return unreachable_; }
   /// The target that is being driven to.
   [[nodiscard]] std::optional<TourTarget> target() const;

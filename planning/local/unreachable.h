@@ -12,6 +12,9 @@
 
 namespace arpent::planning {
 
+/// To within 5 cm and 0.05 rad.
+[[nodiscard]] bool same_goal(const Pose2& a, const Pose2& b);
+
 struct UnreachableGoal {
   Pose2 goal;
   NoLeg reason = NoLeg::kNoWay;

@@ -9,7 +9,10 @@
 
 #include "common/config/config.h"
 #include "mapping/tsdf/storage.h"
+#include "planning/local/aside.h"
+#include "planning/local/obstacles.h"
 #include "planning/local/sweep.h"
+#include "planning/mission/ground_free_space.h"
 #include "planning/mission/tour_planner.h"
 #include "planning/viewpoints/exploration_targets.h"
 
@@ -22,39 +25,15 @@ constexpr double kBackOffM = 0.4;
 constexpr int kRecoveriesPerPlace = 2;
 /// Turning about in less than half turns, so that the tracker knows which way round.
 constexpr int kLookAroundTurns = 3;
+/// A tour that teammates keep a robot from is tried again so often, so much later each time.
+constexpr int kRetries = 5;
+constexpr Duration kRetryAfter = std::chrono::milliseconds(800);
 
 FootprintParams grown(FootprintParams footprint, double margin_m) {
   footprint.semi_axis_long_m += margin_m;
   footprint.semi_axis_short_m += margin_m;
   return footprint;
 }
-
-/// What the viewpoints ask about the ground, answered from the newest map. Places to which no leg was found are not
-/// free, as long as nothing changed there.
-class GroundFreeSpace : public FreeSpace {
- public:
-  /// `turnable`: only places count where the robot can turn on the spot, so that it gets away again: the camera does
-  /// not see beside it, and a robot that drives forwards only gets stuck in a slot of known ground.
-  GroundFreeSpace(const Ground& ground, const GroundGrid& grid, const UnreachableGoals& unreachable, const Pose2& robot,
-                  bool turnable)
-      : ground_(ground), grid_(grid), unreachable_(unreachable), robot_(robot), turnable_(turnable) {}
-
-  [[nodiscard]] bool is_free(const Pose2& pose) const override {
-    const bool room = !turnable_ || ground_.clearance_m(pose.position_m()) >= ground_.footprint().long_m();
-    return room && ground_.is_free(pose) && !unreachable_.find(pose, robot_, grid_);
-  }
-  [[nodiscard]] std::vector<std::optional<double>> distances_m(const Pose2& from, std::span<const Pose2> to,
-                                                               double max_m) const override {
-    return drive_lengths_m(ground_, from, to, max_m);
-  }
-
- private:
-  const Ground& ground_;
-  const GroundGrid& grid_;
-  const UnreachableGoals& unreachable_;
-  Pose2 robot_;
-  bool turnable_;
-};
 
 Eigen::AlignedBox3d region_of(const ExplorerParams& params) {
   return {Eigen::Map<const Eigen::Vector3d>(params.region_min_m.data()),
@@ -66,6 +45,16 @@ using VoxelSet = std::unordered_set<VoxelIndex, mapping::BlockHash>;
 }  // namespace
 
 struct Explorer::State {
+  /// In a team.
+  struct Team {
+    std::vector<Pose2> bodies;
+    TrafficAdvice advice = TrafficAdvice::kGo;
+    std::vector<TargetEvent> events;
+    std::optional<Pose2> last_visit;
+    Time retried_at{};
+    int retries = 0;  ///< in a row, of a tour that teammates keep it from
+  };
+  Team team;
   ExplorerParams params;
   mapping::TsdfMap map;
   ExplorationTargets targets;
@@ -110,7 +99,7 @@ struct Explorer::State {
   void integrate(const stereo::DepthMap& depth, const Pose& T_map_cam, const Pose2& body) {
     if (!map.integrate(depth, T_map_cam)) return;
     targets.update(map);
-    targets.note_look(map, body);
+    if (!params.led) targets.note_look(map, body);
     grid.update(map);
     trail.add(body);
     if (dwell) ++dwell->images;
@@ -142,7 +131,7 @@ struct Explorer::State {
       status.activity = "looking";
       return {};
     }
-    if (dwell && dwell->images >= dwell->viewpoint.looks) targets.note_visit(map, dwell->viewpoint);
+    if (dwell && dwell->images >= dwell->viewpoint.looks) note_visit(dwell->viewpoint);
     dwell.reset();
     if (blocked) {
       status.activity = "waiting: something is in the way";
@@ -151,8 +140,9 @@ struct Explorer::State {
     if (recovering && !arrived && now - moved_at < from_seconds(params.stuck_s)) return {};
     if (recovering && arrived && !pieces.empty()) return next_piece();
     recovering = false;
-    const Ground ground(grid, footprint, params.costs);
-    const LowLevelOutput output = low_level.step({ground, grid, pose});
+    const Ground ground = ground_now(pose);
+    const LowLevelOutput output = low_level.step({ground, grid, pose, team.advice});
+    if (params.led) note_skipped(output);
     const bool stale = now - adopted_at > from_seconds(params.replan_s);
     if (!pending && (output.replan != ReplanReason::kNone || stale)) plan(now, ground, pose, output.replan);
     if (status.done) return {ExplorerOrder::Kind::kStop, {}};
@@ -194,6 +184,7 @@ struct Explorer::State {
   }
 
   void plan(Time now, const Ground& ground, const Pose2& pose, ReplanReason reason) {
+    if (params.led) return await_tour(now, ground, pose, reason);
     Targets found = find_targets(ground, pose);
     status.clusters = static_cast<int>(found.clusters.size());
     status.activity = std::string("planning: ") + to_text(reason);
@@ -292,6 +283,7 @@ struct Explorer::State {
 
   ExplorerOrder order_for(Time now, const LowLevelOutput& output, bool arrived) {
     if (output.order == DriveOrder::kFollow) {
+      team.retries = 0;
       const std::vector<DrivePiece> leg = pieces_of(*output.leg);
       pieces.assign(leg.begin(), leg.end());
       moved_at = now;
@@ -316,6 +308,7 @@ struct Explorer::State {
   /// The robot stands though it has a leg to drive: it touches something that the map does not know, or was stopped. It
   /// backs off, and goes on with a tour made anew.
   ExplorerOrder get_unstuck(Time now, const Ground& ground, const Pose2& pose) {
+    if (const auto target = low_level.target()) team.events.push_back({TargetEvent::Kind::kUnreachable, target->pose});
     low_level.give_up_target({ground, grid, pose});
     tour = {};
     pieces.clear();
@@ -337,6 +330,89 @@ struct Explorer::State {
     pieces = {piece_of(*recovery, pose)};
     recovering = true;
     moved_at = now;
+    return true;
+  }
+
+  // In a team.
+
+  [[nodiscard]] Ground ground_now(const Pose2& pose) const {
+    if (team.bodies.empty()) return Ground(grid, footprint, params.costs);
+    return ground_with_bodies(grid, footprint, params.costs, team.bodies, Footprint(params.footprint),
+                              params.body_gap_m, pose);
+  }
+
+  void note_visit(const Viewpoint& viewpoint) {
+    targets.note_visit(map, viewpoint);
+    if (!params.led) return;
+    team.events.push_back({TargetEvent::Kind::kVisited, viewpoint.pose});
+    team.last_visit = viewpoint.pose;
+  }
+
+  /// What no way leads to is left out of the tour and reported, unless teammates may be what is in the way.
+  void note_skipped(const LowLevelOutput& output) {
+    if (output.skipped.empty() || (!team.bodies.empty() && team.retries < kRetries)) return;
+    for (const SkippedTarget& skipped : output.skipped) {
+      team.events.push_back({TargetEvent::Kind::kUnreachable, viewpoints[static_cast<std::size_t>(skipped.id)].pose});
+      std::erase_if(tour.targets, [&](const TourTarget& t) { return t.id == skipped.id; });
+    }
+    team.retries = 0;
+  }
+
+  /// The centre plans. Meanwhile the robot gets out of where it is boxed in, turns about once if it was not sent
+  /// anywhere, and tries again what teammates kept it from.
+  void await_tour(Time now, const Ground& ground, const Pose2& pose, ReplanReason reason) {
+    if (reason == ReplanReason::kNone) return;
+    status.activity = "waiting for a tour";
+    const bool boxed_in = ground.clearance_m(pose.position_m()) < footprint.long_m();
+    if (tour.targets.empty()) {
+      team.retries = 0;
+      if (!looked_around && !boxed_in && status.elements > 0 && now - adopted_at > from_seconds(1.0)) {
+        look_around(now, pose);
+      }
+      return;
+    }
+    if (now - team.retried_at < kRetryAfter) return;
+    team.retried_at = now;
+    ++team.retries;
+    if (boxed_in && team.retries > 2 &&
+        (recover(now, pose, plan_recovery(ground, pose, trail, params.recovery)) || assume_free(pose))) {
+      return;
+    }
+    low_level.forget_unreachable();
+    low_level.set_tour(tour);
+  }
+
+  void follow(std::vector<Viewpoint> given, Time now) {
+    PlannedTour planned;
+    planned.viewpoints = std::move(given);
+    const std::optional<Viewpoint> committed = committed_viewpoint();
+    for (std::size_t i = 0; i < planned.viewpoints.size(); ++i) {
+      const Pose2& at = planned.viewpoints[i].pose;
+      const bool now_there = (committed && same_goal(at, committed->pose)) ||
+                             (dwell && same_goal(at, dwell->viewpoint.pose)) ||
+                             (team.last_visit && same_goal(at, *team.last_visit));
+      if (!now_there) planned.tour.targets.push_back({static_cast<std::int64_t>(i), at});
+    }
+    if (committed) put_first(*committed, planned);
+    status.clusters = static_cast<int>(planned.tour.targets.size());
+    ++status.tours;
+    pending = Pending{now, std::move(planned)};
+  }
+
+  bool step_aside(Time now, const Pose2& pose, const Pose2& teammate, const Pose2& its_target, double clear_m) {
+    const Ground without_bodies(grid, footprint, params.costs);
+    const Sweep sweep(without_bodies, teammate.position_m());
+    std::vector<Eigen::Vector2d> way_m = sweep.way_to(its_target.position_m());
+    way_m.push_back(teammate.position_m());
+    const auto aside = find_way_aside(ground_now(pose), LegPlanner(params.low_level.leg), pose, way_m, clear_m);
+    if (!aside) return false;
+    const std::vector<DrivePiece> leg = pieces_of(*aside);
+    pieces.assign(leg.begin(), leg.end());
+    recovering = true;
+    moved_at = now;
+    low_level.set_tour({});
+    dwell.reset();
+    status.activity = "stepping aside for a teammate";
     return true;
   }
 };
@@ -364,6 +440,47 @@ void Explorer::restart() {
   state_->low_level.set_tour({});
   state_->pieces.clear();
   state_->dwell.reset();
+}
+
+void Explorer::follow(std::vector<Viewpoint> viewpoints, Time now) {
+  state_->follow(std::move(viewpoints), now);
+}
+void Explorer::finish() {
+  state_->status.done = true;
+  state_->status.left_s = 0;
+}
+Result<std::size_t> Explorer::fuse(const mapping::MapPatch& patch) {
+  return mapping::fuse(state_->map, patch);
+}
+void Explorer::declare_start(const Pose2& teammate) {
+  state_->grid.declare_free(teammate.position_m(), state_->params.start_clearance_m);
+}
+void Explorer::set_traffic(std::vector<Pose2> bodies, TrafficAdvice advice) {
+  state_->team.bodies = std::move(bodies);
+  state_->team.advice = advice;
+}
+bool Explorer::step_aside(Time now, const Pose2& pose, const Pose2& teammate, const Pose2& its_target, double clear_m) {
+  return state_->step_aside(now, pose, teammate, its_target, clear_m);
+}
+void Explorer::give_up_tour() {
+  if (const auto lost = target()) state_->team.events.push_back({TargetEvent::Kind::kUnreachable, *lost});
+  restart();
+}
+std::optional<Pose2> Explorer::target() const {
+  if (state_->dwell) return state_->dwell->viewpoint.pose;
+  if (const auto target = state_->low_level.target()) return target->pose;
+  if (!state_->tour.targets.empty()) return state_->tour.targets.front().pose;
+  return std::nullopt;
+}
+bool Explorer::idle() const {
+  return state_->tour.targets.empty() && !state_->dwell && !state_->pending && !state_->recovering;
+}
+bool Explorer::kept_by_bodies() const {
+  return state_->team.retries > 0 && !state_->team.bodies.empty() && !state_->tour.targets.empty() &&
+         !state_->low_level.target();
+}
+std::vector<TargetEvent> Explorer::take_events() {
+  return std::exchange(state_->team.events, {});
 }
 
 const ExplorerStatus& Explorer::status() const {

@@ -15,6 +15,7 @@
 
 #include "common/config/fields.h"
 #include "common/time.h"
+#include "mapping/exchange/map_patch.h"
 #include "mapping/tsdf/tsdf_map.h"
 #include "planning/local/low_level_planner.h"
 #include "planning/local/recovery.h"
@@ -42,6 +43,8 @@ struct ExplorerParams {
   double plan_latency_s = 0.2;
   double replan_s = 2.0;
   double stuck_s = 3.0;
+  bool led = false;
+  double body_gap_m = 0.12;
   std::vector<double> region_min_m{-1e6, -1e6, -1e6};
   std::vector<double> region_max_m{1e6, 1e6, 1e6};
 
@@ -71,6 +74,9 @@ struct ExplorerParams {
                   config::greater_than(0.0));
     visitor.field("stuck_s", self.stuck_s, "standing with a leg to drive for so long means that it cannot be driven",
                   config::between(0.5, 600.0));
+    visitor.field("led", self.led, "tours come from the centre of a team");
+    visitor.field("body_gap_m", self.body_gap_m, "kept from teammates by legs, beside footprint_margin_m",
+                  config::between(0.0, 1.0));
     visitor.field("region_min_m", self.region_min_m, "only surface within this box matters", config::finite_numbers(3));
     visitor.field("region_max_m", self.region_max_m, "its other corner", config::finite_numbers(3));
   }
@@ -81,6 +87,13 @@ struct ExplorerOrder {
   enum class Kind : std::uint8_t { kGoOn, kDrive, kStop };
   Kind kind = Kind::kGoOn;
   DrivePiece piece;  ///< with kDrive
+};
+
+/// What became of a viewpoint: all looks were taken there, or the robot does not get there.
+struct TargetEvent {
+  enum class Kind : std::uint8_t { kVisited = 1, kUnreachable = 2 };
+  Kind kind = Kind::kVisited;
+  Pose2 target;
 };
 
 struct ExplorerStatus {
@@ -111,6 +124,32 @@ class Explorer {
 
   /// The order in force is void (the mission was paused): plans anew from where the robot stands.
   void restart();
+
+  // In a team (led).
+  /// The tour from now on, in the order of the visit. What the robot is on its way to stays first.
+  void follow(std::vector<Viewpoint> viewpoints, Time now);
+  /// The team says that nothing is left to do.
+  void finish();
+  /// What a teammate saw. A fault if the patch cannot be fused.
+  [[nodiscard]] Result<std::size_t> fuse(const mapping::MapPatch& patch);
+  /// Where a teammate stands at the start: the ground is declared free there as at the robot's own.
+  void declare_start(const Pose2& teammate);
+  /// Teammates in the way of legs, now; and whether the rules of traffic let the robot drive.
+  void set_traffic(std::vector<Pose2> bodies, TrafficAdvice advice);
+  /// A manoeuvre off the way of a teammate from where it stands to where it wants to be, at least `clear_m` from it.
+  /// False if there is none.
+  [[nodiscard]] bool step_aside(Time now, const Pose2& pose, const Pose2& teammate, const Pose2& its_target,
+                                double clear_m);
+  /// Its tour cannot be driven: it is reported, and void.
+  void give_up_tour();
+  /// On its way there, looking from it, or kept from it.
+  [[nodiscard]] std::optional<Pose2> target() const;
+  /// Whether nothing is left on its tour.
+  [[nodiscard]] bool idle() const;
+  /// Whether teammates are all that keeps it from its targets.
+  [[nodiscard]] bool kept_by_bodies() const;
+  /// What happened since the last call.
+  [[nodiscard]] std::vector<TargetEvent> take_events();
 
   [[nodiscard]] const ExplorerStatus& status() const;
   [[nodiscard]] const mapping::TsdfMap& map() const;

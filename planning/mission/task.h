@@ -70,6 +70,7 @@ class ExploreTask : public Task {
   void resume(const Pose2& pose, const DriveState& drive) override;
   [[nodiscard]] TaskProgress progress(const DriveState& drive) const override;
   [[nodiscard]] const Explorer& explorer() const { return explorer_; }
+  [[nodiscard]] Explorer& explorer() { return explorer_; }
 
  private:
   Explorer explorer_;

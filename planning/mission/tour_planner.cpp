@@ -16,32 +16,6 @@ constexpr double kNoWay = std::numeric_limits<double>::infinity();
 /// Drives within a cluster are short: the straight line, and a little more for what is in between.
 constexpr double kDetour = 1.15;
 
-/// The same ground in cells of twice the size, each as bad as the worst of its four.
-Ground halve(const Ground& ground) {
-  const GridFrame& fine = ground.frame();
-  GridFrame frame;
-  frame.cell_m = 2 * fine.cell_m;
-  frame.first = {fine.first.x() >> 1, fine.first.y() >> 1};
-  const Eigen::Vector2i last = fine.first + Eigen::Vector2i(fine.cols - 1, fine.rows - 1);
-  frame.cols = (last.x() >> 1) - frame.first.x() + 1;
-  frame.rows = (last.y() >> 1) - frame.first.y() + 1;
-  std::vector<CellState> states(frame.size(), CellState::kUnknown);
-  for (int j = 0; j < frame.rows; ++j) {
-    for (int i = 0; i < frame.cols; ++i) {
-      bool unknown = false, occupied = false;
-      for (int k = 0; k < 4; ++k) {
-        const int u = 2 * (frame.first.x() + i) - fine.first.x() + (k & 1);
-        const int v = 2 * (frame.first.y() + j) - fine.first.y() + (k >> 1);
-        const CellState state = fine.has(u, v) ? ground.state(fine.centre_m(u, v)) : CellState::kUnknown;
-        unknown = unknown || state == CellState::kUnknown;
-        occupied = occupied || state == CellState::kOccupied;
-      }
-      states[frame.at(i, j)] = occupied ? CellState::kOccupied : unknown ? CellState::kUnknown : CellState::kFree;
-    }
-  }
-  return Ground(frame, std::move(states), ground.footprint(), ground.costs());
-}
-
 /// Viewpoints by number, cluster after cluster; the robot comes last.
 struct Places {
   std::vector<Eigen::Vector2d> p_m;
@@ -129,6 +103,31 @@ Ordered order_by_utility(const tour::ClusterGraph& graph, const tour::Arcs& dura
 }
 
 }  // namespace
+
+Ground halve(const Ground& ground) {
+  const GridFrame& fine = ground.frame();
+  GridFrame frame;
+  frame.cell_m = 2 * fine.cell_m;
+  frame.first = {fine.first.x() >> 1, fine.first.y() >> 1};
+  const Eigen::Vector2i last = fine.first + Eigen::Vector2i(fine.cols - 1, fine.rows - 1);
+  frame.cols = (last.x() >> 1) - frame.first.x() + 1;
+  frame.rows = (last.y() >> 1) - frame.first.y() + 1;
+  std::vector<CellState> states(frame.size(), CellState::kUnknown);
+  for (int j = 0; j < frame.rows; ++j) {
+    for (int i = 0; i < frame.cols; ++i) {
+      bool unknown = false, occupied = false;
+      for (int k = 0; k < 4; ++k) {
+        const int u = 2 * (frame.first.x() + i) - fine.first.x() + (k & 1);
+        const int v = 2 * (frame.first.y() + j) - fine.first.y() + (k >> 1);
+        const CellState state = fine.has(u, v) ? ground.state(fine.centre_m(u, v)) : CellState::kUnknown;
+        unknown = unknown || state == CellState::kUnknown;
+        occupied = occupied || state == CellState::kOccupied;
+      }
+      states[frame.at(i, j)] = occupied ? CellState::kOccupied : unknown ? CellState::kUnknown : CellState::kFree;
+    }
+  }
+  return Ground(frame, std::move(states), ground.footprint(), ground.costs());
+}
 
 PlannedTour plan_tour(const Ground& ground, const std::vector<Cluster>& clusters, const Pose2& robot,
                       const TourParams& params, const VisitTimes& times) {

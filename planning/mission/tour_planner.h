@@ -47,6 +47,9 @@ struct VisitTimes {
   double looks_hz = 5;  ///< depth images per second
 };
 
+/// The same ground in cells of twice the size, each as bad as the worst of its four: for prices.
+[[nodiscard]] Ground halve(const Ground& ground);
+
 /// Drives are priced on cells of twice the ground's size: one search from the robot and one from each cluster. Clusters
 /// without a way come last, in their order.
 [[nodiscard]] PlannedTour plan_tour(const Ground& ground, const std::vector<Cluster>& clusters, const Pose2& robot,

@@ -2,8 +2,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "planning/process/mission_process.h"
 
+#include <algorithm>
 #include <arpent/body_pose_t.hpp>
 #include <arpent/depth_t.hpp>
+#include <cmath>
 #include <optional>
 
 #include "common/bus/typed.h"
@@ -50,6 +52,7 @@ struct MissionProcess::State {
   planning::Lifecycle life;
   std::unique_ptr<planning::Task> task;
   std::optional<Eyes> eyes;
+  std::optional<TeamMember> member;  ///< in a team
   std::optional<Time> started;
   std::optional<Pose2> begun;  ///< where the robot stood when it knew where it is
   std::optional<fusion::FusedPose> pose;
@@ -74,7 +77,9 @@ struct MissionProcess::State {
     const planning::LevelCamera camera = planning::make_level_camera(
         rectifier.stereo(), T_body_cam, c.explore.tsdf.min_range_m, c.explore.tsdf.max_range_m);
     eyes.emplace(Eyes{T_body_cam, camera, {c.stop_guard, planning::Footprint(c.explore.footprint)}});
-    task = std::make_unique<planning::ExploreTask>(c.explore, camera);
+    auto explore = std::make_unique<planning::ExploreTask>(c.explore, camera);
+    if (!c.team.robot.empty()) member.emplace(c.team, c.explore.footprint, explore->explorer(), bus, clock);
+    task = std::move(explore);
   }
 
   void refuse(const char* channel, const std::string& fault) const {
@@ -149,12 +154,13 @@ struct MissionProcess::State {
 
   /// Depth whose pose is known goes into the map; the guard looks at it first.
   void see() {
-    for (const auto& [stamp, depth, at] : eyes->join.take()) {
+    for (auto& [stamp, depth, at] : eyes->join.take()) {
       if (!at || at->status == fusion::Status::kLost || !is_in_map_frame(*at)) {
         bus.health().count(channels::kDepth, "rejected");
         continue;
       }
       guard(depth.map, *at);
+      if (member) member->mask(stamp, depth.map, at->T_frame_body * eyes->T_body_cam);
       task->see(depth.map, at->T_frame_body * eyes->T_body_cam, to_pose2(at->T_frame_body));
       step_task();
     }
@@ -184,8 +190,16 @@ struct MissionProcess::State {
     }
     arm();
     if (life.state() == MissionState::kAligning) align();
+    if (member) step_member();
     step_task();
     if (life.state() != reported || cycle % kCyclesPerReport == 0) report();
+  }
+
+  void step_member() {
+    if (!pose || !is_in_map_frame(*pose)) return;
+    const double sigma_m = std::sqrt(std::max(pose->covariance(0, 0), pose->covariance(1, 1)));
+    const bool must_stop = member->step(life.state(), pose->stamp, to_pose2(pose->T_frame_body), pose->twist, sigma_m);
+    if (must_stop && life.state() == MissionState::kRunning) stop();
   }
 
   [[nodiscard]] bool is_in_map_frame(const fusion::FusedPose& p) const {
@@ -227,6 +241,8 @@ struct MissionProcess::State {
   }
 
   void order(const planning::PathRequest& request) {
+    if (member && request.points_m.empty()) member->note_stop();
+    if (member && !request.points_m.empty() && !member->may_drive(to_pose2(pose->T_frame_body), request)) return;
     left_m = request.points_m.empty() ? drive_state().remaining_m : planning::length_m(request.points_m);
     planning::PathOrder path;
     path.stamp = pose ? pose->stamp : clock.now();

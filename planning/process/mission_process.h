@@ -15,6 +15,7 @@
 #include "planning/local/stop_guard.h"
 #include "planning/mission/explorer.h"
 #include "planning/mission/loop.h"
+#include "planning/process/team_member.h"
 
 namespace arpent {
 
@@ -27,6 +28,7 @@ struct MissionConfig {
   planning::LoopParams loop;
   planning::ExplorerParams explore;
   planning::StopGuardParams stop_guard;
+  TeamMemberParams team;
   int latency_us = 60000;
 
   template <class Self, class Visitor>
@@ -41,6 +43,7 @@ struct MissionConfig {
     visitor.group("loop", self.loop, "the test path of kind loop");
     visitor.group("explore", self.explore, "the exploration of kind explore");
     visitor.group("stop_guard", self.stop_guard, "stops for what stands in the way (kind explore)");
+    visitor.group("team", self.team, "the robot as one of a team (kind explore)");
     visitor.field("latency_us", self.latency_us, "declared time from depth to path", config::at_least(0));
   }
 };

@@ -3,14 +3,18 @@
 #include "sim/process/sim_process.h"
 
 #include <algorithm>
+#include <arpent/pose_t.hpp>
 #include <cmath>
+#include <map>
 #include <optional>
+#include <sstream>
 #include <vector>
 
 #include "common/bus/typed.h"
 #include "common/channels.h"
 #include "common/config/rig.h"
 #include "common/config/robot.h"
+#include "common/ellipse.h"
 #include "common/error.h"
 #include "drivers/base/agilex_chassis.h"
 #include "drivers/can/process/open_can_port.h"
@@ -79,6 +83,7 @@ struct SimProcess::State {
   std::vector<std::pair<std::string, Bytes>> in_transfer;
   std::optional<Pose> T_odom_last;
   std::mt19937_64 alignment_random;
+  std::map<std::string, Pose2> teammates;  ///< as they last said, a cycle ago
 
   State(const Config& c, Bus& process_bus, Clock& process_clock)
       : config(c),
@@ -102,7 +107,27 @@ struct SimProcess::State {
   }
 
   [[nodiscard]] bool touches(const Pose2& pose) const {
-    return ground.hits(pose, {robot_config.semi_axis_long_m, robot_config.semi_axis_short_m});
+    const double a = robot_config.semi_axis_long_m, b = robot_config.semi_axis_short_m;
+    return ground.hits(pose, {a, b}) || std::any_of(teammates.begin(), teammates.end(), [&](const auto& mate) {
+             return ellipses_overlap(a, b, pose, mate.second);
+           });
+  }
+
+  void listen_to_teammates() {
+    std::istringstream names(config.teammates);
+    for (std::string name; std::getline(names, name, ',');) {
+      subscribe<pose_t>(bus, name + "/" + channels::kTruthPose, {.queue_capacity = 4}, [this, name](const pose_t& m) {
+        const double* q = m.orientation_wxyz;
+        const auto T = make_pose(Eigen::Map<const Eigen::Vector3d>(m.position_m), {q[0], q[1], q[2], q[3]});
+        if (T) teammates[name] = to_pose2(*T);
+      });
+    }
+  }
+
+  [[nodiscard]] std::vector<sim::Body> bodies() const {
+    std::vector<sim::Body> bodies;
+    for (const auto& [name, pose] : teammates) bodies.push_back({pose.to_pose()});
+    return bodies;
   }
 
   void step() {
@@ -148,7 +173,7 @@ struct SimProcess::State {
     shot.exposure_s = 1e-6 * exposure.setting().exposure_us;
     shot.gain = std::pow(10, exposure.setting().gain_db / 20);
     shot.seed = seed_of(config.seed, 16 + 2 * static_cast<std::uint64_t>(pair) + which);
-    return renderer.render(camera, robot.pose().to_pose() * T_body_cam, shot);
+    return renderer.render(camera, robot.pose().to_pose() * T_body_cam, shot, bodies());
   }
 
   void take_images(Time now) {
@@ -191,6 +216,7 @@ struct SimProcess::State {
 
 SimProcess::SimProcess(const Config& config, Bus& bus, Clock& clock)
     : state_(std::make_unique<State>(config, bus, clock)) {
+  state_->listen_to_teammates();
   clock.every(kCycle, [this] { state_->step(); });
 }
 

@@ -29,6 +29,7 @@ struct SimConfig {
   int seed = 1;
   std::string sensing = "images";
   std::string can = "bus";
+  std::string teammates;
   base::MotorParams motors{.left_slip = 0.01, .right_slip = 0.01};
   double track_error = 0.01;
   camera::ExposureParams exposure;
@@ -44,6 +45,8 @@ struct SimConfig {
     visitor.field("sensing", self.sensing, "images: cameras; depth: depth and odometry, for missions about planning",
                   config::one_of({"images", "depth"}));
     visitor.field("can", self.can, "the chassis' place on the CAN bus: bus (messages on channel CAN) or socket:PATH");
+    visitor.field("teammates", self.teammates,
+                  "names of other robots in this world, with commas between: their TRUTH_POSE says where they stand");
     visitor.group("motors", self.motors, "motors and wheels; their geometry is the robot file's");
     visitor.field("track_error", self.track_error, "by how much the effective track is wider than the robot file says",
                   config::between(-0.5, 0.5));

@@ -17,16 +17,21 @@
 #include <arpent/health_t.hpp>
 #include <arpent/image_t.hpp>
 #include <arpent/imu_t.hpp>
+#include <arpent/map_patch_t.hpp>
 #include <arpent/map_status_t.hpp>
 #include <arpent/mission_command_t.hpp>
 #include <arpent/mission_state_t.hpp>
 #include <arpent/odometry_t.hpp>
 #include <arpent/path_t.hpp>
 #include <arpent/pose_t.hpp>
+#include <arpent/robot_state_t.hpp>
 #include <arpent/stereo_images_t.hpp>
 #include <arpent/tag_observation_t.hpp>
 #include <arpent/tag_t.hpp>
+#include <arpent/tour_report_t.hpp>
+#include <arpent/tour_t.hpp>
 #include <arpent/tracker_status_t.hpp>
+#include <arpent/viewpoint_t.hpp>
 #include <arpent/wheel_command_t.hpp>
 #include <arpent/wheel_state_t.hpp>
 #include <cstdint>
@@ -64,6 +69,11 @@ const std::map<std::string, std::uint64_t> kFrozen = {
     {"tracker_status_t", 0x7edc1a0be15f7ba4},
     {"wheel_command_t", 0x8bd3bb1dcd9c52b5},
     {"wheel_state_t", 0xcc8b838b92a06502},
+    {"map_patch_t", 0xe8f38b89fe08d1aa},
+    {"robot_state_t", 0x0e566938f896bc3c},
+    {"tour_report_t", 0xb76ca3069dd18e21},
+    {"tour_t", 0x75e30c34edaae9f7},
+    {"viewpoint_t", 0x3abacb40aa61490d},
 };
 
 TEST(Fingerprints, AreThoseOfTheFrozenTable) {
@@ -110,6 +120,11 @@ TEST(Fingerprints, EqualThoseThatLcmGenComputes) {
   expect_same<wheel_command_t>();
   expect_same<wheel_state_t>();
   expect_same<stereo_images_t>();
+  expect_same<map_patch_t>();
+  expect_same<robot_state_t>();
+  expect_same<tour_report_t>();
+  expect_same<tour_t>();
+  expect_same<viewpoint_t>();
 }
 
 }  // namespace

@@ -22,7 +22,8 @@ struct MissionEvaluation {
 /// Appends rows NAME.coverage_percent, .rmse_cm, .mean_cm, .std_cm, .beyond_percent, .visible_percent, .e_max_cm.
 void append_figures(nlohmann::json& rows, const std::string& name, const MissionEvaluation& evaluation);
 
-/// All figures of a mission's folder, recomputed: those, and done, time_s, path_m, duty_cycle_percent, ate_m,
+/// Of a team's folder the fused map, judged anew, and what its own file counted. Otherwise
+/// all figures of a mission's folder, recomputed: those, and done, time_s, path_m, duty_cycle_percent, ate_m,
 /// collisions, realtime_factor (the last two as the mission's own file has them, if at all).
 [[nodiscard]] nlohmann::json evaluate_folder(const std::filesystem::path& folder, const std::filesystem::path& world);
 

@@ -2,6 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tools/mission/mission_file.h"
 
+#include <algorithm>
+#include <sstream>
+
 #include "common/config/robot.h"
 #include "common/error.h"
 #include "sim/world/world.h"
@@ -11,6 +14,8 @@ namespace {
 
 /// Paths that the processes ask for and the mission fills in: not empty, so that the file need not name them.
 const char* const kFilledIn = "-";
+/// Between the seeds of a team's robots.
+constexpr int kSeedStep = 1000;
 
 tags::TagCubeConfig to_config(const sim::TagCube& cube) {
   tags::TagCubeConfig config;
@@ -25,7 +30,8 @@ tags::TagCubeConfig to_config(const sim::TagCube& cube) {
 }
 
 /// The world's; wider by half a voxel on the ground, as walls on its border may come out a little beyond.
-void set_region(const sim::Region& region, planning::ExplorerParams& explore) {
+template <class Params>
+void set_region(const sim::Region& region, Params& explore) {
   for (std::size_t i = 0; i < 3; ++i) {
     const auto axis = static_cast<Eigen::Index>(i);
     const double margin_m = i < 2 ? 0.6 * explore.tsdf.voxel_m : 0.0;
@@ -44,12 +50,30 @@ std::vector<std::string> settings_of(const std::string& preset) {
           "mission.explore.low_level.bypass_obstacles=false", "depth.rate_hz=1"};
 }
 
+/// The centre plans for robots as mission_process would for its own.
+void set_centre(MissionSpec& spec, const RobotConfig& robot) {
+  const planning::ExplorerParams& explore = spec.mission.explore;
+  planning::CentreParams& centre = spec.centre.centre;
+  spec.patch.rig = spec.centre.rig = robot.rig;
+  spec.patch.tsdf = centre.tsdf = explore.tsdf;
+  centre.viewpoints = explore.viewpoints;
+  centre.grid = explore.grid;
+  centre.footprint = explore.footprint;
+  centre.costs = explore.costs;
+  centre.footprint_margin_m = explore.footprint_margin_m;
+  centre.start_clearance_m = explore.start_clearance_m;
+  centre.nominal_speed_mps = explore.nominal_speed_mps;
+  centre.nominal_turn_rate_radps = explore.nominal_turn_rate_radps;
+  centre.visit_s = explore.visit_s;
+}
+
 }  // namespace
 
 MissionSpec load_mission(const std::filesystem::path& file, const MissionOverrides& overrides) {
   MissionSpec spec;
   spec.sim.world = spec.sim.robot = spec.base.robot = spec.tracker.robot = kFilledIn;
   spec.depth.rig = spec.odometry.rig = spec.tags.rig = spec.mapping.rig = kFilledIn;
+  spec.patch.rig = spec.centre.rig = kFilledIn;
   spec.base.port = "bus";
   spec.mapping.pose_source = "pair_pose";
   spec.depth.publish_disparity = false;
@@ -59,6 +83,8 @@ MissionSpec load_mission(const std::filesystem::path& file, const MissionOverrid
   if (!overrides.world.empty()) spec.world = overrides.world;
   if (overrides.seed) spec.seed = *overrides.seed;
   if (!overrides.sensing.empty()) spec.sensing = overrides.sensing;
+  if (overrides.robots) spec.robots = *overrides.robots;
+  if (!overrides.kill.empty()) spec.kill = overrides.kill;
   config::check(spec, file.string());
 
   // Live, the processes' configurations lie in another folder.
@@ -82,9 +108,51 @@ MissionSpec load_mission(const std::filesystem::path& file, const MissionOverrid
   spec.mission.explore.footprint = {robot.semi_axis_long_m, robot.semi_axis_short_m};
   spec.mission.explore.nominal_speed_mps = robot.limits.max_speed_mps;
   spec.mission.stop_guard.deceleration_mps2 = robot.limits.max_acceleration_mps2;
-  if (spec.use_region) set_region(world.region, spec.mission.explore);
+  set_centre(spec, robot);
+  if (spec.use_region) {
+    set_region(world.region, spec.mission.explore);
+    set_region(world.region, spec.centre.centre);
+  }
   if (world.tag_cube) spec.tags.cube = to_config(*world.tag_cube);
   return spec;
+}
+
+std::vector<std::string> robot_names(const MissionSpec& spec) {
+  std::vector<std::string> names;
+  for (int i = 0; i < spec.robots; ++i) names.push_back("R" + std::to_string(i + 1));
+  return names;
+}
+
+MissionSpec spec_of_robot(const MissionSpec& team, int robot) {
+  const std::vector<std::string> names = robot_names(team);
+  MissionSpec spec = team;
+  const std::string& name = names[static_cast<std::size_t>(robot)];
+  spec.start = spec.sim.start = team.start + robot;
+  spec.seed = spec.sim.seed = spec.odometry.odometry.seed = team.seed + kSeedStep * robot;
+  for (const std::string& other : names) {
+    if (other != name) spec.sim.teammates += (spec.sim.teammates.empty() ? "" : ",") + other;
+  }
+  spec.mission.explore.led = true;
+  spec.mission.team.robot = spec.patch.source = name;
+  spec.mission.team.traffic.deceleration_mps2 = team.mission.stop_guard.deceleration_mps2;
+  return spec;
+}
+
+std::vector<Death> deaths(const MissionSpec& spec) {
+  const std::vector<std::string> names = robot_names(spec);
+  std::vector<Death> deaths;
+  std::istringstream list(spec.kill);
+  for (std::string item; std::getline(list, item, ',');) {
+    const std::size_t at = item.find('@');
+    Death death{item.substr(0, at), 0};
+    const bool known = std::find(names.begin(), names.end(), death.robot) != names.end();
+    std::istringstream number(at == std::string::npos ? "" : item.substr(at + 1));
+    if (!known || !(number >> death.at_s) || !number.eof() || !(death.at_s >= 0)) {
+      throw InputError("kill: \"" + item + "\" must be ROBOT@SECONDS, e.g. R2@40");
+    }
+    deaths.push_back(death);
+  }
+  return deaths;
 }
 
 }  // namespace arpent::tools

@@ -13,11 +13,14 @@
 #include "control/process/tracker_process.h"
 #include "drivers/base/process/base_driver_process.h"
 #include "mapping/process/mapping_process.h"
+#include "mapping/process/patch_process.h"
 #include "perception/process/depth_process.h"
 #include "perception/process/odometry_process.h"
 #include "perception/process/pose_process.h"
 #include "perception/process/tag_process.h"
+#include "planning/process/centre_process.h"
 #include "planning/process/mission_process.h"
+#include "sim/process/radio_process.h"
 #include "sim/process/sim_process.h"
 
 namespace arpent::tools {
@@ -31,6 +34,8 @@ struct MissionSpec {
   int seed = 1;
   std::string sensing = "images";
   bool use_region = true;
+  int robots = 1;
+  std::string kill;
   SimConfig sim;
   BaseDriverConfig base;
   DepthConfig depth;
@@ -40,6 +45,9 @@ struct MissionSpec {
   TrackerConfig tracker;
   MappingConfig mapping;
   MissionConfig mission;
+  PatchConfig patch;
+  CentreConfig centre;
+  RadioConfig radio;
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visitor) {
@@ -51,6 +59,9 @@ struct MissionSpec {
     visitor.field("sensing", self.sensing, "images: cameras and all perception; depth: for missions about planning",
                   config::one_of({"images", "depth"}));
     visitor.field("use_region", self.use_region, "explore only the world's region");
+    visitor.field("robots", self.robots, "how many robots, from the world's starts one after the other",
+                  config::between(1, 5));
+    visitor.field("kill", self.kill, "ROBOT@SECONDS: that robot's computer dies then; with commas between, several");
     visitor.group("sim", self.sim, "sim_process");
     visitor.group("base", self.base, "base_driver_process");
     visitor.group("depth", self.depth, "depth_process");
@@ -60,6 +71,9 @@ struct MissionSpec {
     visitor.group("tracker", self.tracker, "tracker_process");
     visitor.group("mapping", self.mapping, "mapping_process");
     visitor.group("mission", self.mission, "mission_process");
+    visitor.group("patch", self.patch, "patch_process (a team)");
+    visitor.group("centre", self.centre, "centre_process (a team)");
+    visitor.group("radio", self.radio, "radio_process (a team)");
   }
 };
 
@@ -69,11 +83,26 @@ struct MissionOverrides {
   std::filesystem::path rig;  ///< what perception believes in, while the simulator keeps the robot's own
   std::optional<int> seed;
   std::string sensing;
-  std::string preset;                 ///< default or thesis; empty: as the file has it
+  std::string preset;  ///< default or thesis; empty: as the file has it
+  std::optional<int> robots;
+  std::string kill;
   std::vector<std::string> settings;  ///< key=value
 };
 
 /// Reads and completes a mission: every process gets its robot, rig, world and cube. Throws InputError.
 [[nodiscard]] MissionSpec load_mission(const std::filesystem::path& file, const MissionOverrides& overrides);
+
+/// R1, R2, and so on.
+[[nodiscard]] std::vector<std::string> robot_names(const MissionSpec& spec);
+
+/// The spec of one robot of a team, by its number from 0: its start, its seed, and that it is led.
+[[nodiscard]] MissionSpec spec_of_robot(const MissionSpec& team, int robot);
+
+struct Death {
+  std::string robot;
+  double at_s = 0;  ///< after the start of the mission
+};
+/// Throws InputError if `kill` of the spec makes no sense.
+[[nodiscard]] std::vector<Death> deaths(const MissionSpec& spec);
 
 }  // namespace arpent::tools

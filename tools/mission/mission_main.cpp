@@ -13,6 +13,7 @@
 
 #include "common/error.h"
 #include "tools/mission/figures.h"
+#include "tools/mission/team_figures.h"
 
 namespace {
 
@@ -40,6 +41,9 @@ void add_options(CLI::App& app, Flags& flags) {
       ->check(CLI::IsMember({"images", "depth"}));
   app.add_option("--preset", flags.overrides.preset, "default, or thesis: its method as printed")
       ->check(CLI::IsMember({"default", "thesis"}));
+  app.add_option("--robots", flags.overrides.robots, "so many robots under one plan (lockstep)")
+      ->check(CLI::Range(1, 5));
+  app.add_option("--kill", flags.overrides.kill, "ROBOT@SECONDS: a robot's computer dies, e.g. R2@40");
   app.add_flag("--live", flags.live, "separate processes in real time instead of lockstep");
   app.add_option("--set", flags.overrides.settings,
                  "key=value, overrides a parameter, e.g. pose.fusion.gyro.used=false");
@@ -57,6 +61,15 @@ int run_one(const Flags& flags, int seed, const fs::path& out, int threads, bool
   options.live = flags.live;
   options.bin_folder = fs::canonical("/proc/self/exe").parent_path();
   options.progress = progress;
+  if (spec.robots > 1) {
+    const TeamResult team = run_team(spec, options);
+    const TeamFigures team_figures = measure(spec, team);
+    write_team_report(out, spec, team, team_figures);
+    std::printf("seed             %d\n", seed);
+    print(team_figures);
+    std::printf("report           %s\n", fs::absolute(out / "report.html").c_str());
+    return team_figures.done ? 0 : 1;
+  }
   const MissionResult result = run_mission(spec, options);
   const MissionFigures figures = measure(result);
   write_mission_report(out, spec, result, figures);

@@ -20,12 +20,12 @@ class LockstepStack {
   LockstepStack(Time start, int threads) : executor_(start, threads) {}
 
   /// Constructs the process on the bus; it lives as long as the stack. Outputs of one moment commit in the order of
-  /// addition.
+  /// addition. `prefix`: "R1/" puts it on that robot's bus.
   template <class Process>
-  Process& add(const typename Process::Config& config) {
-    const auto [bus, clock] = executor_.add_process(Process::kName);
+  Process& add(const typename Process::Config& config, const std::string& prefix = "") {
+    const auto [bus, clock] = executor_.add_process(Process::kName, prefix);
     auto process = std::make_shared<Process>(config, bus, clock);
-    members_.push_back({Process::kName, &bus, process, [process] { process->finish(); }});
+    members_.push_back({prefix + Process::kName, &bus, process, [process] { process->finish(); }});
     return *process;
   }
 

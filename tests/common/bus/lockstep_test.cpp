@@ -137,5 +137,40 @@ TEST(Lockstep, AMessageAboveTheSizeLimitIsRefusedUnseen) {
   EXPECT_EQ(bus.health().counter("X", "undecodable"), 1);
 }
 
+/// Two robots with the same processes; each hears its own kind only.
+TEST(LockstepRobots, ChannelsOfAPrefixAreThoseOfOneRobotAndANameWithASlashIsMeantAsItStands) {
+  LockstepExecutor executor(at(0));
+  Record record;
+  executor.set_tap(record.tap());
+  for (const std::string prefix : {"R1/", "R2/"}) {
+    Bus& bus = executor.add_process("echo", prefix).bus;
+    bus.subscribe_bytes("IN", {}, [&bus](BytesView view) {
+      bus.publish_bytes("OUT", view);
+      bus.publish_bytes("R9/OUT", view);
+    });
+  }
+  executor.inject(at(1), "R2/IN", bytes("x"));
+  executor.inject(at(2), "IN", bytes("y"));
+  executor.run_until(at(5));
+  EXPECT_EQ(record.lines, (std::vector<std::string>{"1 R2/IN x", "1 R2/OUT x", "1 R9/OUT x", "2 IN y"}));
+}
+
+TEST(LockstepRobots, ASilencedRobotNeitherHearsNorSpeaksButForWhatIsSpared) {
+  LockstepExecutor executor(at(0));
+  Record record;
+  executor.set_tap(record.tap());
+  for (const std::string name : {"body", "mind"}) {
+    const auto [bus, clock] = executor.add_process(name, "R1/");
+    clock.every(10ms, [&bus = bus, name] { bus.publish_bytes("TICK", bytes(name)); });
+    bus.subscribe_bytes("IN", {}, [&bus = bus, name](BytesView) { bus.publish_bytes("HEARD", bytes(name)); });
+  }
+  executor.run_until(at(15));
+  executor.silence("R1/", "body");
+  executor.inject(at(16), "R1/IN", bytes("x"));
+  executor.run_until(at(25));
+  EXPECT_EQ(record.lines, (std::vector<std::string>{"10 R1/TICK body", "10 R1/TICK mind", "16 R1/IN x",
+                                                    "16 R1/HEARD body", "20 R1/TICK body"}));
+}
+
 }  // namespace
 }  // namespace arpent

@@ -1,0 +1,100 @@
+// SPDX-FileCopyrightText: The arpent authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mapping/process/patch_process.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/bus/typed.h"
+#include "common/channels.h"
+#include "common/config/rig.h"
+#include "common/time_join.h"
+#include "mapping/wire.h"
+#include "perception/fusion/wire.h"
+#include "perception/stereo/rectifier.h"
+#include "perception/stereo/wire.h"
+
+namespace arpent {
+namespace {
+
+/// Depth that falls this far behind the newest depth without its pose is passed over.
+constexpr Duration kHorizon = std::chrono::seconds(10);
+
+}  // namespace
+
+struct PatchProcess::State {
+  Config config;
+  Bus& bus;
+  Pose T_body_cam;
+  mapping::PatchBuilder builder;
+  mapping::TeammatePoses teammates;
+  TimeJoin<stereo::StampedDepth, fusion::FusedPose> join{kHorizon};
+
+  State(const Config& c, Bus& process_bus)
+      : config(c),
+        bus(process_bus),
+        T_body_cam(stereo::Rectifier(load_rig(c.rig).calibration).T_body_rectified()),
+        builder(c.patch, c.tsdf, c.source, c.map_frame) {}
+
+  void refuse(const char* channel, const std::string& fault) const {
+    bus.health().count(channel, "invalid");
+    bus.health().warn(std::string(channel) + ": message dropped: " + fault);
+  }
+
+  void take_depth(const depth_t& message) {
+    auto depth = stereo::from_wire(message);
+    if (!depth) return refuse(channels::kDepth, depth.fault());
+    const Time stamp = depth->stamp;
+    if (!join.push_left(stamp, std::move(*depth))) return refuse(channels::kDepth, "its time is not after the last");
+    integrate_ready();
+  }
+
+  void take_pose(const body_pose_t& message) {
+    const auto pose = fusion::from_wire(message);
+    if (!pose) return refuse(channels::kPairPose, pose.fault());
+    if (!join.push_right(pose->stamp, *pose)) return refuse(channels::kPairPose, "its time is not after the last");
+    integrate_ready();
+  }
+
+  void take_teammate(const robot_state_t& message) {
+    const auto state = mapping::from_wire(message);
+    if (!state) return refuse(channels::kTeamState, state.fault());
+    teammates.note(*state);
+  }
+
+  void integrate_ready() {
+    for (auto& [stamp, depth, at] : join.take()) {
+      const bool placed = at && at->status != fusion::Status::kLost &&
+                          (at->frame == fusion::Frame::kWorld) == (config.map_frame == "world");
+      if (!placed) {
+        bus.health().count(channels::kDepth, "rejected");
+        continue;
+      }
+      integrate(stamp, depth.map, *at);
+    }
+  }
+
+  void integrate(Time stamp, stereo::DepthMap& depth, const fusion::FusedPose& at) {
+    const Pose T_map_cam = at.T_frame_body * T_body_cam;
+    const auto seen = teammates.at(stamp);
+    bus.health().count("MASK", "pixels", mapping::mask_teammates(depth, T_map_cam, seen, config.mask));
+    const double position_sigma_m = std::sqrt(std::max(at.covariance(0, 0), at.covariance(1, 1)));
+    const mapping::PosedDepth image{
+        stamp, depth, T_map_cam, to_pose2(at.T_frame_body), position_sigma_m, std::sqrt(at.covariance(5, 5))};
+    for (const mapping::MapPatch& patch : builder.add(image)) publish(bus, channels::kMapPatch, to_wire(patch));
+  }
+};
+
+PatchProcess::PatchProcess(const Config& config, Bus& bus, Clock& /*clock*/)
+    : state_(std::make_unique<State>(config, bus)) {
+  const SubscriptionOptions depth{.queue_capacity = 32, .latency = Duration(config.latency_us)};
+  subscribe<depth_t>(bus, channels::kDepth, depth, [this](const depth_t& m) { state_->take_depth(m); });
+  subscribe<body_pose_t>(bus, channels::kPairPose, {.queue_capacity = 128},
+                         [this](const body_pose_t& m) { state_->take_pose(m); });
+  subscribe<robot_state_t>(bus, channels::kTeamState, {.queue_capacity = 64},
+                           [this](const robot_state_t& m) { state_->take_teammate(m); });
+}
+
+PatchProcess::~PatchProcess() = default;
+
+}  // namespace arpent

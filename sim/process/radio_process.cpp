@@ -1,0 +1,75 @@
+// SPDX-FileCopyrightText: The arpent authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim/process/radio_process.h"
+
+#include <algorithm>
+#include <sstream>
+#include <vector>
+
+#include "common/channels.h"
+
+namespace arpent {
+namespace {
+
+/// Deliveries are looked for so often: the radio's resolution.
+constexpr Duration kCycle = std::chrono::milliseconds(5);
+
+}  // namespace
+
+struct RadioProcess::State {
+  Bus& bus;
+  Clock& clock;
+  sim::Radio radio;
+  std::string centre;
+  std::vector<std::string> robots;
+
+  State(const Config& config, Bus& process_bus, Clock& process_clock)
+      : bus(process_bus),
+        clock(process_clock),
+        radio(config.radio, static_cast<std::uint64_t>(config.seed)),
+        centre(config.centre) {
+    std::istringstream names(config.robots);
+    for (std::string name; std::getline(names, name, ',');) robots.push_back(name);
+  }
+
+  /// What `sender` says on `sent`, the others hear on `received`.
+  void carry(const std::string& sender, const char* sent, const char* received, bool reliable,
+             const std::vector<std::string>& receivers) {
+    bus.subscribe_bytes(sender + "/" + sent, {.queue_capacity = 256}, [=, this](BytesView bytes) {
+      radio.send(clock.now(), sender, received, receivers, reliable,
+                 std::make_shared<const Bytes>(bytes.begin(), bytes.end()));
+    });
+  }
+
+  void carry_all() {
+    for (const std::string& robot : robots) {
+      std::vector<std::string> others = robots;
+      std::erase(others, robot);
+      others.push_back(centre);
+      carry(robot, channels::kMapPatch, channels::kTeamPatch, true, others);
+      carry(robot, channels::kRobotState, channels::kTeamState, false, others);
+      carry(robot, channels::kTourReport, channels::kTeamReport, true, {centre});
+    }
+    carry(centre, channels::kTour, channels::kTeamTour, true, robots);
+  }
+
+  void deliver() {
+    for (const auto& delivery : radio.take(clock.now())) {
+      bus.publish_bytes(delivery.receiver + "/" + delivery.channel, *delivery.bytes);
+    }
+  }
+};
+
+RadioProcess::RadioProcess(const Config& config, Bus& bus, Clock& clock)
+    : state_(std::make_unique<State>(config, bus, clock)) {
+  state_->carry_all();
+  clock.every(kCycle, [this] { state_->deliver(); });
+}
+
+RadioProcess::~RadioProcess() = default;
+
+const std::map<std::string, std::int64_t>& RadioProcess::bytes_by_channel() const {
+  return state_->radio.bytes_by_channel();
+}
+
+}  // namespace arpent

@@ -1,0 +1,235 @@
+// SPDX-FileCopyrightText: The arpent authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "tools/mission/team_run.h"
+
+#include <time.h>
+
+#include <algorithm>
+#include <chrono>
+#include <memory>
+
+#include "common/bus/typed.h"
+#include "common/channels.h"
+#include "common/config/robot.h"
+#include "common/ellipse.h"
+#include "common/error.h"
+#include "common/memory.h"
+#include "mapping/surface/mesh_extraction.h"
+#include "planning/local/obstacles.h"
+#include "tools/mission/live.h"
+#include "tools/progress.h"
+
+namespace arpent::tools {
+namespace {
+
+/// As for one robot (lockstep.cpp).
+constexpr Time kStart{std::chrono::seconds(1767225600)};  // 2026-01-01
+constexpr Duration kStartAfter = std::chrono::milliseconds(500);
+constexpr Duration kStep = std::chrono::milliseconds(200);
+constexpr Duration kRunOut = std::chrono::seconds(1);
+constexpr std::size_t kProgressSteps = 1000;
+const char* const kCentre = "centre";
+
+double process_cpu_s() {
+  timespec t{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+}
+
+/// Compares the robots' true poses of each moment.
+class EncounterWatch {
+ public:
+  EncounterWatch(const RobotConfig& robot, TeamEncounters& encounters)
+      : robot_(robot), footprint_({robot.semi_axis_long_m, robot.semi_axis_short_m}), encounters_(encounters) {}
+
+  /// After each moment of the simulation.
+  void look(const std::vector<MissionResult>& robots) {
+    for (std::size_t a = 0; a < robots.size(); ++a) {
+      for (std::size_t b = a + 1; b < robots.size(); ++b) {
+        if (robots[a].truth.empty() || robots[b].truth.empty()) continue;
+        look(robots[a].truth.back(), robots[b].truth.back(), together_[{a, b}]);
+      }
+    }
+  }
+
+ private:
+  void look(const evaluation::StampedPose& a, const evaluation::StampedPose& b, bool& together) {
+    if (a.stamp != b.stamp) return;
+    const Pose2 pa = to_pose2(a.T_ref_body), pb = to_pose2(b.T_ref_body);
+    encounters_.least_gap_m = std::min(encounters_.least_gap_m, planning::gap_m(footprint_, pa, pb));
+    const bool overlap = ellipses_overlap(robot_.semi_axis_long_m, robot_.semi_axis_short_m, pa, pb);
+    encounters_.overlaps += overlap && !together ? 1 : 0;
+    together = overlap;
+  }
+
+  RobotConfig robot_;
+  planning::Footprint footprint_;
+  TeamEncounters& encounters_;
+  std::map<std::pair<std::size_t, std::size_t>, bool> together_;
+};
+
+/// What one robot's bus says, into its log and result.
+struct Listener {
+  std::unique_ptr<LogWriter> log;
+  std::unique_ptr<MissionCollector> collector;
+};
+
+bool has_ended(const MissionResult& result) {
+  return !result.reports.empty() && (result.reports.back().state == planning::MissionState::kDone ||
+                                     result.reports.back().state == planning::MissionState::kAborted);
+}
+
+class TeamRun {
+ public:
+  TeamRun(const MissionSpec& spec, const MissionOptions& options)
+      : spec_(spec),
+        stack_(kStart, options.threads),
+        watch_(config::load<RobotConfig>(spec.robot), result_.encounters) {
+    result_.names = robot_names(spec);
+    result_.robots.resize(result_.names.size());
+    for (std::size_t i = 0; i < result_.names.size(); ++i) {
+      const MissionSpec robot = spec_of_robot(spec, static_cast<int>(i));
+      listen(options.out / result_.names[i], robot, result_.robots[i]);
+      add_robot(robot, result_.names[i] + "/");
+    }
+    std::filesystem::create_directories(options.out / kCentre);
+    centre_log_ = std::make_unique<LogWriter>(options.out / kCentre / "mission.lcmlog");
+    add_centre();
+    stack_.executor().set_tap(
+        [this](Time time, const std::string& channel, BytesView bytes) { take(time, channel, bytes); });
+  }
+
+  TeamResult run(bool progress) {
+    const auto deaths_left = deaths(spec_);
+    for (const std::string& name : result_.names) {
+      stack_.executor().inject(kStart + kStartAfter, name + "/" + channels::kMissionCommand,
+                               encode(planning::to_wire(kStart, {planning::MissionCommand::kStart, "mission"})));
+    }
+    while (!all_ended() && !interrupted()) {
+      kill(deaths_left);
+      stack_.executor().run_until(stack_.executor().now() + kStep);
+      if (progress) show();
+    }
+    stack_.executor().run_until(stack_.executor().now() + kRunOut);
+    stack_.finish();
+    stack_.executor().run_until(stack_.executor().now() + kStep);
+    gather();
+    return std::move(result_);
+  }
+
+ private:
+  void listen(const std::filesystem::path& folder, const MissionSpec& robot, MissionResult& result) {
+    std::filesystem::create_directories(folder);
+    result.log = folder / "mission.lcmlog";
+    Listener listener;
+    listener.log = std::make_unique<LogWriter>(result.log);
+    write_configs(*listener.log, kStart, robot);
+    listener.collector = std::make_unique<MissionCollector>(result, listener.log.get());
+    listeners_.push_back(std::move(listener));
+  }
+
+  void add_robot(const MissionSpec& robot, const std::string& prefix) {
+    sims_.push_back(&stack_.add<SimProcess>(robot.sim, prefix));
+    stack_.add<BaseDriverProcess>(robot.base, prefix);
+    if (robot.sensing == "images") {
+      stack_.add<DepthProcess>(robot.depth, prefix);
+      stack_.add<OdometryProcess>(robot.odometry, prefix);
+      stack_.add<TagProcess>(robot.tags, prefix);
+    }
+    stack_.add<PoseProcess>(robot.pose, prefix);
+    stack_.add<TrackerProcess>(robot.tracker, prefix);
+    stack_.add<PatchProcess>(robot.patch, prefix);
+    stack_.add<MissionProcess>(robot.mission, prefix);
+  }
+
+  void add_centre() {
+    centre_ = &stack_.add<CentreProcess>(spec_.centre, std::string(kCentre) + "/");
+    RadioConfig radio = spec_.radio;
+    radio.robots.clear();
+    for (const std::string& name : result_.names) radio.robots += (radio.robots.empty() ? "" : ",") + name;
+    radio.centre = kCentre;
+    radio.seed = spec_.seed;
+    radio_ = &stack_.add<RadioProcess>(radio);
+  }
+
+  void take(Time time, const std::string& channel, BytesView bytes) {
+    const std::size_t slash = channel.find('/');
+    const std::string bus = channel.substr(0, slash), name = channel.substr(slash + 1);
+    if (bus == kCentre) {
+      centre_log_->write(time, name, bytes);
+      return;
+    }
+    const auto robot = std::find(result_.names.begin(), result_.names.end(), bus) - result_.names.begin();
+    listeners_[static_cast<std::size_t>(robot)].collector->take(time, name, bytes);
+    if (name == channels::kTruthPose) watch_.look(result_.robots);
+  }
+
+  [[nodiscard]] bool is_dead(const std::string& name) const {
+    return std::find(result_.died.begin(), result_.died.end(), name) != result_.died.end();
+  }
+
+  [[nodiscard]] bool all_ended() const {
+    for (std::size_t i = 0; i < result_.names.size(); ++i) {
+      if (!is_dead(result_.names[i]) && !has_ended(result_.robots[i])) return false;
+    }
+    return true;
+  }
+
+  void kill(const std::vector<Death>& all) {
+    for (const Death& death : all) {
+      if (is_dead(death.robot) || stack_.executor().now() < kStart + kStartAfter + from_seconds(death.at_s)) continue;
+      stack_.executor().silence(death.robot + "/", SimProcess::kName);
+      result_.died.push_back(death.robot);
+    }
+  }
+
+  void show() const {
+    std::string activity;
+    double progress = 0;
+    for (const MissionResult& robot : result_.robots) {
+      if (robot.reports.empty()) continue;
+      activity += (activity.empty() ? "" : " | ") + robot.reports.back().activity.substr(0, 24);
+      progress = std::max(progress, robot.reports.back().progress);
+    }
+    show_progress(activity, static_cast<std::size_t>(progress * kProgressSteps), kProgressSteps);
+  }
+
+  void gather() {
+    for (std::size_t i = 0; i < result_.robots.size(); ++i) {
+      listeners_[i].log->close();
+      result_.robots[i].collisions = sims_[i]->collisions();
+    }
+    centre_log_->close();
+    result_.mesh = mapping::extract_mesh(centre_->centre().map());
+    result_.centre = centre_->centre().status();
+    result_.radio_bytes = radio_->bytes_by_channel();
+    result_.processes = stack_.figures();
+  }
+
+  const MissionSpec& spec_;
+  TeamResult result_;
+  std::vector<Listener> listeners_;
+  std::unique_ptr<LogWriter> centre_log_;
+  LockstepStack stack_;
+  EncounterWatch watch_;
+  std::vector<const SimProcess*> sims_;
+  const CentreProcess* centre_ = nullptr;
+  const RadioProcess* radio_ = nullptr;
+};
+
+}  // namespace
+
+TeamResult run_team(const MissionSpec& spec, const MissionOptions& options) {
+  if (options.live) throw InputError("a team runs in lockstep; live it does not yet");
+  if (spec.mission.kind != "explore") throw InputError("a team explores; mission.kind must be explore");
+  (void)deaths(spec);
+  keep_freed_memory();
+  const double cpu_start = process_cpu_s();
+  const auto wall_start = std::chrono::steady_clock::now();
+  TeamResult result = TeamRun(spec, options).run(options.progress);
+  result.cpu_s = process_cpu_s() - cpu_start;
+  result.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - wall_start).count();
+  return result;
+}
+
+}  // namespace arpent::tools

@@ -8,6 +8,7 @@
 
 #include "common/atomic_file.h"
 #include "common/error.h"
+#include "planning/viewpoints/certificate_file.h"
 #include "tools/mission/figures.h"
 #include "tools/replay/replay.h"
 
@@ -102,6 +103,34 @@ TEST_F(MissionTest, ARobotExploresByItselfWithoutTouchingAnything) {
   EXPECT_GT(measure(result).path_m, 1.0);
   ASSERT_FALSE(result.reports.empty());
   EXPECT_GT(result.reports.back().progress, 0.4);
+}
+
+TEST_F(MissionTest, AnExplorationLeavesACertificateAndReplaysByteForByte) {
+  MissionOverrides overrides;
+  overrides.settings = {"mission.max_time_s=12"};
+  const MissionResult result = run(load_mission(kConfig / "missions/test_arena.yaml", overrides));
+  const auto certificate = planning::read_certificates(folder_ / "certificate.json");
+  EXPECT_EQ(certificate.context.end, "aborted");
+  EXPECT_NE(certificate.context.reason.find("max_time_s"), std::string::npos);
+  EXPECT_GT(certificate.elements.size(), 20U);
+  EXPECT_FALSE(certificate.context.poses.empty());
+  const ReplayInput input = open_log(result.log, folder_ / "replay", "", {});
+  const LogComparison comparison = compare_with_log(input, run_lockstep(input, {}));
+  EXPECT_GT(comparison.compared, 500);
+  EXPECT_EQ(comparison.different, 0);
+}
+
+TEST(Missions, APresetIsASetOfParametersThatSettingsStillOverride) {
+  MissionOverrides overrides;
+  overrides.preset = "thesis";
+  overrides.settings = {"depth.rate_hz=2"};
+  const MissionSpec spec = load_mission(kConfig / "missions/test_arena.yaml", overrides);
+  EXPECT_EQ(spec.mission.explore.viewpoints.preset, "thesis");
+  EXPECT_EQ(spec.mission.explore.tour.objective, "utility");
+  EXPECT_EQ(spec.mission.explore.low_level.leg.planner, "lazy_prm");
+  EXPECT_EQ(spec.depth.rate_hz, 2);
+  overrides.preset = "best";
+  EXPECT_THROW((void)load_mission(kConfig / "missions/test_arena.yaml", overrides), InputError);
 }
 
 TEST_F(MissionTest, WhatCannotBeRunIsOneClearError) {

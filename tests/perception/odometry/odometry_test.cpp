@@ -251,6 +251,28 @@ TEST_F(OdometryDrive, ABlindMomentIsLostAndTheWayGoesOnWithoutAJump) {
   EXPECT_GT(after.covariance.trace(), before.covariance.trace() + 1) << "the gap is uncertain";
 }
 
+TEST_F(OdometryDrive, AGyroFindsPointsThatATurnMovedFar) {
+  // Turning on the spot by 15 degrees from pair to pair: a quarter of the image.
+  constexpr double kTurnRad = 0.26;
+  int found_with = 0, found_without = 0;
+  StereoOdometry with(kStereo, {}), without(kStereo, {});
+  sim::DrivePose turning = drive_[0];
+  const Eigen::Matrix3d R_body = Eigen::AngleAxisd(kTurnRad, Vector3d::UnitZ()).toRotationMatrix();
+  const Eigen::Matrix3d turn = T_body_cam_.linear().transpose() * R_body * T_body_cam_.linear();
+  for (std::uint64_t i = 0; i < 12; ++i) {
+    const bool turns = i % 3 == 2;  // suddenly, so that no constant motion predicts it
+    if (turns) turning.T_world_body.linear() = turning.T_world_body.linear() * R_body;
+    const auto p = pair(turning, i);
+    const auto hint = turns ? turn : Eigen::Matrix3d(Eigen::Matrix3d::Identity());
+    const Estimate a = with.track(Time(), p.left, p.right, hint), b = without.track(Time(), p.left, p.right);
+    found_with += a.status != Status::kLost ? 1 : 0;
+    found_without += b.status != Status::kLost ? 1 : 0;
+    EXPECT_LT(so3_log(a.T_odom_cam.linear().transpose() * truth(turning).linear()).norm(), 0.01) << i;
+  }
+  EXPECT_EQ(found_with, 12);
+  EXPECT_LE(found_without, found_with);
+}
+
 TEST(Odometry, ImagesOfAnotherSizeAreLostWithAReason) {
   StereoOdometry odometry(kStereo, {});
   const Estimate estimate =

@@ -25,20 +25,10 @@ constexpr double kBackOffM = 0.4;
 constexpr int kRecoveriesPerPlace = 2;
 /// Turning about in less than half turns, so that the tracker knows which way round.
 constexpr int kLookAroundTurns = 3;
+constexpr int kLastChances = 3;
 /// A tour that teammates keep a robot from is tried again so often, so much later each time.
 constexpr int kRetries = 5;
 constexpr Duration kRetryAfter = std::chrono::milliseconds(800);
-
-FootprintParams grown(FootprintParams footprint, double margin_m) {
-  footprint.semi_axis_long_m += margin_m;
-  footprint.semi_axis_short_m += margin_m;
-  return footprint;
-}
-
-Eigen::AlignedBox3d region_of(const ExplorerParams& params) {
-  return {Eigen::Map<const Eigen::Vector3d>(params.region_min_m.data()),
-          Eigen::Map<const Eigen::Vector3d>(params.region_max_m.data())};
-}
 
 using VoxelSet = std::unordered_set<VoxelIndex, mapping::BlockHash>;
 
@@ -68,6 +58,7 @@ struct Explorer::State {
   std::vector<Pose2> recovered_at;
   bool recovering = false;  ///< on pieces of a recovery, not of a leg
   bool looked_around = false;
+  int chances = kLastChances;  ///< of all that could not be reached, before the end
 
   /// A tour that is thought out but not yet in force.
   struct Pending {
@@ -91,9 +82,9 @@ struct Explorer::State {
   State(const ExplorerParams& p, const LevelCamera& camera)
       : params(p),
         map(p.tsdf),
-        targets(p.viewpoints, camera, region_of(p)),
+        targets(p.viewpoints, camera, p.region_m()),
         grid(p.grid),
-        footprint(grown(p.footprint, p.footprint_margin_m)),
+        footprint(p.planning_footprint()),
         low_level(p.low_level) {}
 
   void integrate(const stereo::DepthMap& depth, const Pose& T_map_cam, const Pose2& body) {
@@ -214,11 +205,13 @@ struct Explorer::State {
     pending = Pending{now + from_seconds(params.plan_latency_s), std::move(planned)};
   }
 
+  /// Places where the robot can turn come first; then any; then also those to which no leg was found once.
   [[nodiscard]] Targets find_targets(const Ground& ground, const Pose2& pose) {
     Targets found;
-    for (const bool turnable : {true, false}) {
-      found = targets.plan(map, GroundFreeSpace(ground, grid, low_level.unreachable(), pose, turnable), pose);
-      if (!found.clusters.empty()) break;
+    for (int attempt = 0; attempt < 3 && found.clusters.empty(); ++attempt) {
+      if (attempt == 2 && (low_level.unreachable().all().empty() || --chances < 0)) break;
+      if (attempt == 2) low_level.forget_unreachable();
+      found = targets.plan(map, GroundFreeSpace(ground, grid, low_level.unreachable(), pose, attempt == 0), pose);
     }
     return found;
   }

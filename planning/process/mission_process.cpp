@@ -283,7 +283,7 @@ struct MissionProcess::State {
     context.voxel_m = config.explore.tsdf.voxel_m;
     context.known_weight = config.explore.tsdf.known_weight;
     context.give_up_factor = config.explore.viewpoints.give_up_factor;
-    context.least_piece_m2 = config.explore.viewpoints.least_piece_m2;
+    context.least_piece_m = config.explore.viewpoints.least_piece_m;
     context.start = *begun;
     context.semi_long_m = config.explore.footprint.semi_axis_long_m;
     context.semi_short_m = config.explore.footprint.semi_axis_short_m;

@@ -37,7 +37,7 @@ struct Certificate {
   Eigen::Vector3d unknown_m = Eigen::Vector3d::Zero();
   int in_view = 0;
   int in_sight = 0;
-  bool small_piece = false;  ///< a pose would complete it, but its piece is below ViewpointParams::least_piece_m2
+  bool small_piece = false;  ///< a pose would complete it, but its piece is below ViewpointParams::least_piece_m
 };
 
 /// Tries every reachable pose of a lattice: positions `lattice_m` apart around all elements, kHeadings headings. Only

@@ -109,7 +109,7 @@ CertificateFile to_file(const ordered_json& json) {
   c.voxel_m = json.at("voxel_m").get<double>();
   c.known_weight = json.at("known_weight").get<double>();
   c.give_up_factor = json.at("give_up_factor").get<double>();
-  c.least_piece_m2 = json.at("least_piece_m2").get<double>();
+  c.least_piece_m = json.at("least_piece_m").get<double>();
   const Eigen::Vector3d start = to_vector(json.at("start"));
   c.start = {start.x(), start.y(), start.z()};
   c.semi_long_m = json.at("footprint").at("semi_long_m").get<double>();
@@ -136,7 +136,7 @@ void write_certificates(const std::filesystem::path& file, const CertificateCont
                     {"voxel_m", c.voxel_m},
                     {"known_weight", c.known_weight},
                     {"give_up_factor", c.give_up_factor},
-                    {"least_piece_m2", c.least_piece_m2},
+                    {"least_piece_m", c.least_piece_m},
                     {"start", {c.start.x_m, c.start.y_m, c.start.yaw_rad}},
                     {"footprint", {{"semi_long_m", c.semi_long_m}, {"semi_short_m", c.semi_short_m}}},
                     {"camera", to_json(c.camera)},

@@ -65,12 +65,12 @@ void add_attempt(std::vector<Viewpoint>& attempts, const Sight& sight, std::uint
 
 /// With a flag for each element of a piece that is too small to go for; empty if none is.
 Skipped small_pieces(const Sight& sight, const ViewpointParams& params) {
-  if (params.preset == "thesis" || params.least_piece_m2 <= 0) return {};
+  if (params.preset == "thesis" || params.least_piece_m <= 0) return {};
   Skipped small;
   std::vector<VoxelIndex> voxels;
   for (const auto& element : sight.elements()) voxels.push_back(element.voxel);
   for (const std::size_t size : piece_sizes(voxels)) {
-    small.push_back(static_cast<double>(size) * sight.voxel_m() * sight.voxel_m() < params.least_piece_m2 ? 1 : 0);
+    small.push_back(static_cast<double>(size) * sight.voxel_m() < params.least_piece_m ? 1 : 0);
   }
   return small;
 }

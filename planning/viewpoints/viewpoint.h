@@ -47,8 +47,8 @@ struct ViewpointParams {
   double unknown_reach_m = 0.5;
   double lattice_m = 0.25;
   int headings = 24;
-  double min_viewpoint_m2 = 1.0;
-  double least_piece_m2 = 0.3;
+  double min_viewpoint_m2 = 0.3;
+  double least_piece_m = 2.0;
   double give_up_factor = 4.0;
 
   template <class Self, class Visitor>
@@ -83,9 +83,9 @@ struct ViewpointParams {
                   "default: what completes less surface than this waits until nothing larger is left; 0: nothing waits",
                   config::at_least(0.0));
     visitor.field(
-        "least_piece_m2", self.least_piece_m2,
-        "default: pieces of incomplete surface smaller than this are below the sensing limit: seen on the way "
-        "or not at all",
+        "least_piece_m", self.least_piece_m,
+        "default: incomplete surface is mostly a line, the rim of what was seen; pieces of fewer voxels than fit into "
+        "this length are below the sensing limit: seen on the way or not at all",
         config::at_least(0.0));
     visitor.field("give_up_factor", self.give_up_factor,
                   "a voxel that stays unknown after looks worth this many times W_th is below the sensing limit",

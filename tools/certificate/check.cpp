@@ -57,20 +57,20 @@ double weight_of_looks(const planning::LevelCamera& camera, const CertificateEvi
   return sum;
 }
 
-/// For each element the surface of its piece [m2].
-std::vector<double> piece_areas_m2(const planning::CertificateFile& file) {
+/// For each element the length of its piece, taken as a line of voxels [m].
+std::vector<double> piece_lengths_m(const planning::CertificateFile& file) {
   std::vector<planning::VoxelIndex> voxels;
   for (const CertifiedElement& element : file.elements) voxels.push_back(element.voxel);
-  std::vector<double> areas_m2;
+  std::vector<double> lengths_m;
   for (const std::size_t size : planning::piece_sizes(voxels)) {
-    areas_m2.push_back(static_cast<double>(size) * file.context.voxel_m * file.context.voxel_m);
+    lengths_m.push_back(static_cast<double>(size) * file.context.voxel_m);
   }
-  return areas_m2;
+  return lengths_m;
 }
 
 /// Does the reason hold in the true world? The remark says what was found.
 bool holds(const CertifiedElement& element, const planning::CertificateContext& context,
-           const CertificateEvidence& evidence, double piece_m2, std::string& remark) {
+           const CertificateEvidence& evidence, double piece_m, std::string& remark) {
   const planning::LevelCamera& camera = context.camera;
   const double tolerance_m = evaluation::e_max_m(context.voxel_m);
   if (element.verdict == Verdict::kOutOfRange) {
@@ -79,8 +79,8 @@ bool holds(const CertifiedElement& element, const planning::CertificateContext& 
     return stand_off_m > camera.max_range_m;
   }
   if (element.verdict == Verdict::kBelowSensingLimit && element.small_piece) {
-    remark = fmt::format("a piece of {:.2f} m2, less than {:.2f} are left", piece_m2, context.least_piece_m2);
-    return piece_m2 < context.least_piece_m2;
+    remark = fmt::format("a piece of {:.2f} m, less than {:.2f} are left", piece_m, context.least_piece_m);
+    return piece_m < context.least_piece_m;
   }
   if (element.verdict == Verdict::kBelowSensingLimit) {
     const double weight = weight_of_looks(camera, evidence, element.place_m, tolerance_m);
@@ -123,11 +123,11 @@ CertificateCheck check_certificates(const planning::CertificateFile& file, const
   const auto points =
       static_cast<double>(evidence.truth.visible.points_m.size() + evidence.truth.hidden.points_m.size());
   check.uncovered_m2 = evidence.truth.area_m2 * static_cast<double>(missing.size()) / std::max(1.0, points);
-  const std::vector<double> areas_m2 = piece_areas_m2(file);
+  const std::vector<double> lengths_m = piece_lengths_m(file);
   for (std::size_t i = 0; i < file.elements.size(); ++i) {
     const CertifiedElement& element = file.elements[i];
     CheckedElement checked{element, Finding::kFalse, ""};
-    if (holds(element, file.context, evidence, areas_m2[i], checked.remark)) {
+    if (holds(element, file.context, evidence, lengths_m[i], checked.remark)) {
       checked.finding = Finding::kTrue;
     } else if (!missing.is_near(element.place_m)) {
       checked.finding = Finding::kMoot;

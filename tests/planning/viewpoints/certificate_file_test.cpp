@@ -24,7 +24,7 @@ CertificateContext context() {
                        .voxel_m = 0.2,
                        .known_weight = 0.35,
                        .give_up_factor = 3,
-                       .least_piece_m2 = 0.4,
+                       .least_piece_m = 0.4,
                        .start = {1, 2, 0.5},
                        .semi_long_m = 0.6,
                        .semi_short_m = 0.3,
@@ -56,7 +56,7 @@ TEST(CertificateFile, ReadsBackWhatWasWritten) {
   EXPECT_EQ(file.context.voxel_m, c.voxel_m);
   EXPECT_EQ(file.context.known_weight, c.known_weight);
   EXPECT_EQ(file.context.give_up_factor, c.give_up_factor);
-  EXPECT_EQ(file.context.least_piece_m2, c.least_piece_m2);
+  EXPECT_EQ(file.context.least_piece_m, c.least_piece_m);
   EXPECT_EQ(file.context.start, c.start);
   EXPECT_EQ(file.context.semi_long_m, c.semi_long_m);
   EXPECT_EQ(file.context.semi_short_m, c.semi_short_m);

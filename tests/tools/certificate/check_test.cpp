@@ -79,7 +79,7 @@ TEST_F(CertificateCheckTest, TheSensingLimitIsReachedByLooksThatAreWorthEnough) 
 }
 
 TEST_F(CertificateCheckTest, ASmallPieceIsAsSmallAsItsElementsTogether) {
-  file_.context.least_piece_m2 = 0.025;
+  file_.context.least_piece_m = 0.25;
   const auto element = [](int x) {
     return CertifiedElement{.voxel = {x, 25, 0},
                             .verdict = Verdict::kBelowSensingLimit,
@@ -92,7 +92,7 @@ TEST_F(CertificateCheckTest, ASmallPieceIsAsSmallAsItsElementsTogether) {
   EXPECT_EQ(two.small_pieces, 3);
   file_.elements = {element(33), element(34), element(35), element(37)};
   const CertificateCheck three = check_certificates(file_, {views_, truth_, reconstruction_, {}});
-  EXPECT_EQ(three.elements.front().finding, Finding::kFalse) << "0.03 m2";
+  EXPECT_EQ(three.elements.front().finding, Finding::kFalse) << "0.3 m";
   EXPECT_EQ(three.elements.back().finding, Finding::kTrue);
 }
 

@@ -96,7 +96,7 @@ TEST_F(MissionTest, WithDepthInsteadOfImagesTheSameMissionRuns) {
 
 TEST_F(MissionTest, ARobotExploresByItselfWithoutTouchingAnything) {
   MissionOverrides overrides;
-  overrides.settings = {"mission.max_time_s=25"};
+  overrides.settings = {"mission.max_time_s=40"};
   overrides.sensing = "depth";
   const MissionResult result = run(load_mission(kConfig / "missions/test_arena.yaml", overrides));
   EXPECT_EQ(result.collisions, 0);

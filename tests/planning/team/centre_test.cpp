@@ -56,6 +56,7 @@ CentreParams params() {
   params.grid.robot_height_m = 0.6;
   params.region_max_m = {kLength + 0.1, kWidth + 0.1, kHeight - 0.1};
   params.region_min_m = {-0.1, -0.1, -1};
+  params.viewpoints.least_piece_m = 0;  // the room is small, its pieces too
   return params;
 }
 

@@ -75,6 +75,12 @@ struct DdsLink::State {
   std::size_t waiting_bytes = 0;
   std::jthread receiver, sender;
 
+  /// Or until the end.
+  void sleep_until(const std::stop_token& stop, Time at) {
+    std::unique_lock lock(mutex);
+    changed.wait_for(lock, stop, at - steady_now(), [] { return false; });
+  }
+
   void connect(const std::stop_token& stop) {
     while (!stop.stop_requested()) {
       try {
@@ -85,8 +91,7 @@ struct DdsLink::State {
       } catch (const InputError& error) {
         events.warn(std::string(error.what()) + "; trying again");
       }
-      std::unique_lock lock(mutex);
-      changed.wait_for(lock, stop, kRetry, [] { return false; });
+      sleep_until(stop, steady_now() + kRetry);
     }
   }
 
@@ -115,8 +120,7 @@ struct DdsLink::State {
   void send(const std::stop_token& stop) {
     Pacer pacer(params.bulk_rate_mbps);
     for (Part part; next(stop, part);) {
-      const Duration wait = pacer.next(steady_now(), part.data.size()) - steady_now();
-      if (wait > Duration(0)) std::this_thread::sleep_for(wait);
+      sleep_until(stop, pacer.next(steady_now(), part.data.size()));
       const BorrowedPart borrowed(part);
       // Refused while too much is unacknowledged: the piece waits, and those behind it.
       while (!stop.stop_requested() && dds_write(entities->parts.writer, &borrowed.sample) == DDS_RETCODE_TIMEOUT) {

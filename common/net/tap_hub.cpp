@@ -102,6 +102,7 @@ struct TapHub::State {
   std::map<Mac, std::size_t> learned;
   std::multimap<Steady::time_point, Flight> in_flight;  // equal times keep their order
   Traffic traffic;
+  std::function<void(int, std::span<const std::uint8_t>)> watcher;
   std::jthread thread;
 
   [[nodiscard]] Steady::duration on_line(std::size_t bytes) const {
@@ -127,6 +128,7 @@ struct TapHub::State {
     ++traffic.frames;
     traffic.bytes += static_cast<std::int64_t>(frame.size());
     learned[mac_at(frame, 6)] = from;
+    if (watcher) watcher(static_cast<int>(from), frame);
     Steady::time_point at = now;
     if (ports[from].cut || !pass(ports[from].up_free, at, frame.size())) return;
     const auto known = learned.find(mac_at(frame, 0));
@@ -207,6 +209,11 @@ void TapHub::set_loss(double loss) {
 void TapHub::cut(int station, bool off) {
   const std::lock_guard lock(state_->mutex);
   state_->ports[static_cast<std::size_t>(station)].cut = off;
+}
+
+void TapHub::watch(std::function<void(int, std::span<const std::uint8_t>)> watcher) {
+  const std::lock_guard lock(state_->mutex);
+  state_->watcher = std::move(watcher);
 }
 
 TapHub::Traffic TapHub::traffic() const {

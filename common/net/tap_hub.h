@@ -7,7 +7,9 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
+#include <span>
 #include <string>
 
 #include "common/result.h"
@@ -36,6 +38,9 @@ class TapHub {
   void set_loss(double loss);
   /// Nothing comes from or to the station while it is cut off.
   void cut(int station, bool off);
+
+  /// `watcher` gets every frame that a station sends, in the hub's thread.
+  void watch(std::function<void(int station, std::span<const std::uint8_t> frame)> watcher);
 
   struct Traffic {
     std::int64_t frames = 0;

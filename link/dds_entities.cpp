@@ -61,13 +61,17 @@ void Entities::create(const LinkParams& params) {
   for (const auto& [name, value] : security_properties(params)) dds_qset_prop(qos.get(), name.c_str(), value.c_str());
   participant_ = checked(dds_create_participant(id, qos.get(), nullptr),
                          "participant (is the interface up, with an address? do the keys fit, is the date right?)");
-  waitset = checked(dds_create_waitset(participant_), "waitset");
-  beats = open(arpent_link_BeatSample_desc, "arpent_beats", make_qos(false, 1, false).get());
-  commands = open(arpent_link_CommandSample_desc, "arpent_commands", make_qos(true, kCommandHistory, false).get());
-  parts = open(arpent_link_PartSample_desc, "arpent_parts", make_qos(true, params.patch_history, true).get());
+  control_waitset = checked(dds_create_waitset(participant_), "waitset");
+  bulk_waitset = checked(dds_create_waitset(participant_), "waitset");
+  beats = open(arpent_link_BeatSample_desc, "arpent_beats", make_qos(false, 1, false).get(), control_waitset);
+  commands = open(arpent_link_CommandSample_desc, "arpent_commands", make_qos(true, kCommandHistory, false).get(),
+                  control_waitset);
+  parts =
+      open(arpent_link_PartSample_desc, "arpent_parts", make_qos(true, params.patch_history, true).get(), bulk_waitset);
 }
 
-Entities::Ends Entities::open(const dds_topic_descriptor_t& type, const char* name, dds_qos_t* qos) const {
+Entities::Ends Entities::open(const dds_topic_descriptor_t& type, const char* name, dds_qos_t* qos,
+                              dds_entity_t waitset) const {
   const dds_entity_t topic = checked(dds_create_topic(participant_, &type, name, nullptr, nullptr), "topic");
   Ends ends;
   ends.reader = checked(dds_create_reader(participant_, topic, qos, nullptr), "reader");

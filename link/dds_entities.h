@@ -25,11 +25,12 @@ class Entities {
     dds_entity_t reader = 0;
   };
   Ends beats, commands, parts;
-  dds_entity_t waitset = 0;  ///< triggered by whatever a reader has
+  dds_entity_t control_waitset = 0;  ///< triggered by beats and commands that wait to be taken
+  dds_entity_t bulk_waitset = 0;     ///< by parts
 
  private:
   void create(const LinkParams& params);
-  Ends open(const dds_topic_descriptor_t& type, const char* name, dds_qos_t* qos) const;
+  Ends open(const dds_topic_descriptor_t& type, const char* name, dds_qos_t* qos, dds_entity_t waitset) const;
 
   dds_entity_t domain_ = 0;
   dds_entity_t participant_ = 0;

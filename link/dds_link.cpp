@@ -23,23 +23,31 @@ using Steady = std::chrono::steady_clock;
 constexpr auto kRetry = 2s;
 constexpr auto kTurn = 100ms;  ///< so often the threads look whether they shall end
 constexpr std::size_t kMaxWaitingBytes = std::size_t{32} << 20;
-constexpr std::size_t kTaken = 16;  ///< samples of one kind in a turn: beats come between pieces of a long patch
+constexpr std::size_t kTaken = 16;  ///< samples at once
+/// A history of thousands of pieces comes to a station that starts late: no faster than its bus and its map can take it
+/// (16 pieces in 20 ms are 6 MB/s). DDS keeps the rest meanwhile.
+constexpr auto kBulkBreath = 20ms;
 
 Time steady_now() {
   return Time(std::chrono::duration_cast<Duration>(Steady::now().time_since_epoch()));
 }
 
-/// Hands every valid sample that the reader has (at most kTaken) to `handle`.
+/// Hands every valid sample that the reader has (at most kTaken) to `handle`. Whether there were that many.
 template <class Sample, class Handle>
-void take(dds_entity_t reader, Handle handle) {
+bool take(dds_entity_t reader, Handle handle) {
   void* samples[kTaken] = {};
   dds_sample_info_t infos[kTaken];
   const dds_return_t count = dds_take(reader, samples, infos, kTaken, kTaken);
-  if (count <= 0) return;
+  if (count <= 0) return false;
   for (dds_return_t i = 0; i < count; ++i) {
     if (infos[i].valid_data) handle(*static_cast<const Sample*>(samples[i]));
   }
   dds_return_loan(reader, samples, count);
+  return count == static_cast<dds_return_t>(kTaken);
+}
+
+void wait_for(dds_entity_t waitset) {
+  dds_waitset_wait(waitset, nullptr, 0, DDS_MSECS(std::chrono::milliseconds(kTurn).count()));
 }
 
 /// Cyclone's own warnings: one a second, because in an outage there is one for each packet.
@@ -73,7 +81,7 @@ struct DdsLink::State {
   std::condition_variable_any changed;
   std::deque<Part> waiting;  // guarded by mutex
   std::size_t waiting_bytes = 0;
-  std::jthread receiver, sender;
+  std::jthread receiver, bulk_receiver, sender;
 
   /// Or until the end.
   void sleep_until(const std::stop_token& stop, Time at) {
@@ -85,7 +93,10 @@ struct DdsLink::State {
     while (!stop.stop_requested()) {
       try {
         entities = std::make_unique<Entities>(params);
-        connected = true;
+        {
+          const std::lock_guard lock(mutex);
+          connected = true;
+        }
         changed.notify_all();
         return;
       } catch (const InputError& error) {
@@ -98,11 +109,23 @@ struct DdsLink::State {
   void receive(const std::stop_token& stop) {
     connect(stop);
     while (!stop.stop_requested()) {
-      dds_waitset_wait(entities->waitset, nullptr, 0, DDS_MSECS(std::chrono::milliseconds(kTurn).count()));
+      wait_for(entities->control_waitset);
       take<arpent_link_BeatSample>(entities->beats.reader, [this](const auto& s) { events.beat(to_beat(s)); });
       take<arpent_link_CommandSample>(entities->commands.reader,
                                       [this](const auto& s) { events.command(to_command(s)); });
-      take<arpent_link_PartSample>(entities->parts.reader, [this](const auto& s) { events.part(to_part(s)); });
+    }
+  }
+
+  void receive_bulk(const std::stop_token& stop) {
+    {
+      std::unique_lock lock(mutex);
+      changed.wait(lock, stop, [&] { return connected.load(); });
+    }
+    while (!stop.stop_requested()) {
+      wait_for(entities->bulk_waitset);
+      const bool more =
+          take<arpent_link_PartSample>(entities->parts.reader, [this](const auto& s) { events.part(to_part(s)); });
+      if (more) std::this_thread::sleep_for(kBulkBreath);
     }
   }
 
@@ -138,14 +161,14 @@ DdsLink::DdsLink(const LinkParams& params, LinkEvents events) : state_(std::make
   dds_set_log_sink(&Complaints::sink, &state_->complaints);
   dds_set_trace_sink(&Complaints::sink, &state_->complaints);
   state_->receiver = std::jthread([state = state_.get()](const std::stop_token& stop) { state->receive(stop); });
+  state_->bulk_receiver =
+      std::jthread([state = state_.get()](const std::stop_token& stop) { state->receive_bulk(stop); });
   state_->sender = std::jthread([state = state_.get()](const std::stop_token& stop) { state->send(stop); });
 }
 
 DdsLink::~DdsLink() {
-  state_->receiver.request_stop();
-  state_->sender.request_stop();
-  state_->receiver.join();
-  state_->sender.join();
+  for (std::jthread* thread : {&state_->receiver, &state_->bulk_receiver, &state_->sender}) thread->request_stop();
+  for (std::jthread* thread : {&state_->receiver, &state_->bulk_receiver, &state_->sender}) thread->join();
   state_->entities.reset();
   dds_set_log_sink(nullptr, nullptr);
   dds_set_trace_sink(nullptr, nullptr);

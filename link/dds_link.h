@@ -2,7 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
 // Beats, commands and parts over Cyclone DDS, with DDS Security (docs/teams.md). One thread connects (again and again
-// until the interface is there) and receives; another sends parts at their pace, so that bulk never holds up a beat.
+// until the interface is there) and receives beats and commands; parts come and go in two threads of their own, so that
+// bulk never holds up a beat.
 #pragma once
 
 #include <functional>
@@ -15,7 +16,7 @@
 
 namespace arpent::link {
 
-/// Called from the link's own threads, one call at a time.
+/// Called from the link's own threads: `part` may run beside the others.
 struct LinkEvents {
   std::function<void(const Beat&)> beat;
   std::function<void(const Command&)> command;

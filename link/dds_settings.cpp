@@ -37,6 +37,8 @@ std::string cyclone_config(const LinkParams& params) {
       "<Discovery><LeaseDuration>60s</LeaseDuration><SPDPInterval>1s</SPDPInterval>"
       "<ParticipantIndex>{}</ParticipantIndex><MaxAutoParticipantIndex>9</MaxAutoParticipantIndex>{}</Discovery>"
       "<Internal><Watermarks><WhcLow>1MB</WhcLow><WhcHighInit>8MB</WhcHighInit><WhcHigh>32MB</WhcHigh></Watermarks>"
+      // Several receive threads are woken by packets at their end: without the interface they would wait for ever.
+      "<MultipleReceiveThreads>false</MultipleReceiveThreads>"
       "<NackDelay>20ms</NackDelay><AutoReschedNackDelay>300ms</AutoReschedNackDelay>"
       "<HeartbeatInterval min=\"20ms\" minsched=\"20ms\" max=\"300ms\">100ms</HeartbeatInterval></Internal>"
       "</Domain></CycloneDDS>",

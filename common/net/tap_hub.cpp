@@ -73,6 +73,10 @@ Mac mac_at(const Frame& frame, std::size_t offset) {
 
 Result<int> enter_radio_network(const std::string& ipv4) {
   if (std::string reason = enter_private_network(); !reason.empty()) return Fault{std::move(reason)};
+  return open_radio_interface(ipv4);
+}
+
+Result<int> open_radio_interface(const std::string& ipv4) {
   const int tap_fd = open_tap();
   if (tap_fd < 0) return Fault{fault("a TAP interface")};
   const int socket_fd = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);

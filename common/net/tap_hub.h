@@ -21,6 +21,9 @@ namespace arpent {
 /// if the system permits that to a thread (as root, or after the process has moved).
 [[nodiscard]] Result<int> enter_radio_network(const std::string& ipv4);
 
+/// Only the interface, in the network that the thread is in.
+[[nodiscard]] Result<int> open_radio_interface(const std::string& ipv4);
+
 struct AirParams {
   double loss = 0;  ///< of each frame, at each receiver by itself
   double delay_s = 0.02;

@@ -9,7 +9,7 @@ complain() { [ -z "$2" ] || { echo "$1:"; sed 's/^/  /' <<<"$2"; status=1; }; }
 
 sources() { find "$@" -name '*.h' -o -name '*.cpp' | sort; }
 # Only common's bus, a room's wire and process, tools and console know LCM.
-libraries=$(sources common drivers perception mapping planning control calib sim | grep -vE '/process/|/wire\.(h|cpp)$|^common/(bus/|image_codec)')
+libraries=$(sources common drivers perception mapping planning control calib sim link | grep -vE '/process/|/wire\.(h|cpp)$|^common/(bus/|image_codec)')
 complain "libraries that include LCM or its messages" "$(grep -nE '#include <(lcm|arpent)/' $libraries)"
 complain "libraries that include wire, process or bus" "$(grep -nE '#include ".*(/wire\.h|/process/|^common/bus/)' $libraries | grep -v '^common/wire_schema')"
 complain "common includes another room" "$(grep -nE '#include "(perception|mapping|planning|control|sim|drivers|tools)/' $(sources common))"
@@ -21,8 +21,9 @@ complain "sim includes a room above it" "$(grep -nE '#include "(perception|mappi
 complain "mapping's library takes more from perception than value types" \
   "$(grep -nE '#include "perception/' $(sources mapping/tsdf mapping/surface) | grep -v 'perception/stereo/depth_map.h')"
 complain "drivers include a room above them" "$(grep -nE '#include "(perception|mapping|planning|control|sim|tools)/' $(sources drivers))"
+complain "link takes more than common" "$(grep -nE '#include "(perception|mapping|planning|control|calib|sim|drivers|tools)/' $(sources link))"
 complain "calib takes more than common and perception" "$(grep -nE '#include "(mapping|planning|control|sim|drivers|tools)/' $(sources calib))"
-complain "mains longer than 30 lines" "$(for f in $(find drivers perception mapping -name '*_main.cpp'); do [ "$(wc -l <"$f")" -le 30 ] || echo "$f"; done)"
+complain "mains longer than 30 lines" "$(for f in $(find drivers perception mapping link -name '*_main.cpp'); do [ "$(wc -l <"$f")" -le 30 ] || echo "$f"; done)"
 complain "files over 500 lines" "$(for f in $(git ls-files '*.cpp' '*.h'); do [ ! -f "$f" ] || [ "$(wc -l <"$f")" -le 500 ] || echo "$f"; done)"
 complain "files without the two SPDX lines" "$(for f in $(git ls-files '*.cpp' '*.h' '*.sh' '*.cmake' 'CMakeLists.txt' '*/CMakeLists.txt'); do [ ! -f "$f" ] || [ "$(head -3 "$f" | grep -c SPDX)" -eq 2 ] || echo "$f"; done)"
 exit $status

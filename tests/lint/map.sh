@@ -7,7 +7,7 @@ cd "$(dirname "${BASH_SOURCE[0]}")/../.." || exit 2
 status=0
 for name in $(ls lcmtypes/*.lcm | xargs -n1 basename | sed 's/\.lcm//') \
             $(grep -ohE '"[A-Z_]+"' common/channels.h | tr -d '"') \
-            $(grep -rhoE 'kName\[\] = "\w+"' perception mapping planning control drivers sim | grep -oE '\w+_process'); do
+            $(grep -rhoE 'kName\[\] = "\w+"' perception mapping planning control drivers sim link | grep -oE '\w+_process'); do
   grep -qw -- "$name" docs/MAP.md || { echo "docs/MAP.md does not name $name"; status=1; }
 done
 for file in $(grep -ohE '\]\((docs|bench|LICENSE)[^)]*\)' README.md | tr -d '()' | sed 's/^]//'); do

@@ -211,12 +211,15 @@ void write_growth(const std::filesystem::path& folder, const std::filesystem::pa
   const MissionFolder mission = read_mission_folder(folder, world);
   const MissionEvaluation evaluation = evaluate_mission(mission.setting, mission.result, legal_views(mission.setting));
   std::string text = "time_s,path_m,coverage_percent,incomplete_elements\n";
+  const evaluation::Trajectory& truth = mission.result.truth;
+  double path_m = 0;
+  std::size_t next = 1;  // of the truth, not yet in path_m: moments come in order
   replay_map(mission.result.log, mission.setting, kMoments, [&](const MapMoment& moment) {
-    const auto path = driven(mission.result, moment.stamp).points_m;
-    double path_m = 0;
-    for (std::size_t i = 1; i < path.size(); ++i) path_m += (path[i] - path[i - 1]).norm();
-    text += fmt::format("{:.2f},{:.2f},{:.2f},{}\n", to_seconds(moment.stamp - mission.result.truth.front().stamp),
-                        path_m, evaluation::coverage_percent(evaluation.truth, moment.mesh, mission.setting.voxel_m()),
+    for (; next < truth.size() && truth[next].stamp <= moment.stamp; ++next) {
+      path_m += (truth[next].T_ref_body.translation() - truth[next - 1].T_ref_body.translation()).norm();
+    }
+    text += fmt::format("{:.2f},{:.2f},{:.2f},{}\n", to_seconds(moment.stamp - truth.front().stamp), path_m,
+                        evaluation::coverage_percent(evaluation.truth, moment.mesh, mission.setting.voxel_m()),
                         moment.incomplete);
   });
   atomic_write(csv, text);

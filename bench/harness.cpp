@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "bench/harness.h"
 
-#include <time.h>
-
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
@@ -15,14 +13,10 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "common/cpu_time.h"
+
 namespace arpent::bench {
 namespace {
-
-double process_cpu_ms() {
-  timespec t{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) * 1e3 + static_cast<double>(t.tv_nsec) * 1e-6;
-}
 
 /// Smoothed noise seen by two cameras with a slanted disparity: the reference needs an input that every machine has.
 struct ReferencePair {
@@ -55,9 +49,9 @@ struct ReferencePair {
 }  // namespace
 
 double cpu_ms(const std::function<void()>& work) {
-  const double start = process_cpu_ms();
+  const double start = process_cpu_s();
   work();
-  return process_cpu_ms() - start;
+  return 1e3 * (process_cpu_s() - start);
 }
 
 double median(std::vector<double> values) {

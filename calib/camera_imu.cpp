@@ -11,6 +11,7 @@
 
 #include "calib/camera_imu_errors.h"
 #include "calib/camera_imu_start.h"
+#include "calib/least_squares.h"
 #include "common/error.h"
 
 namespace arpent::calib {
@@ -23,13 +24,6 @@ constexpr double kLeastDurationS = 5, kLeastTurnedRad = 3;
 constexpr double kHeldS = 1e-6;
 constexpr double kGravityMps2 = 9.81, kGravityDeviationMps2 = 0.03;
 constexpr double kHuber = 3;
-
-template <int N>
-Eigen::Matrix<double, N, N> whitening(const Eigen::Matrix<double, N, N>& covariance) {
-  const Eigen::LLT<Eigen::Matrix<double, N, N>> llt(covariance);
-  if (llt.info() != Eigen::Success) throw InputError("a covariance of the camera's motion is not positive");
-  return llt.matrixL().solve(Eigen::Matrix<double, N, N>::Identity());
-}
 
 Eigen::Matrix3d cross(const Eigen::Vector3d& w) {
   Eigen::Matrix3d W;
@@ -91,7 +85,8 @@ class CameraImuProblem {
     result.accelerometer_bias_mps2 = Eigen::Vector3d(bias_[3], bias_[4], bias_[5]);
     result.gravity_ref_mps2 = Eigen::Vector3d(gravity_[0], gravity_[1], gravity_[2]);
     result.reduced_chi2 = reduced_chi2_;
-    result.covariance = reduced_chi2_ * unit_covariance();
+    result.covariance = reduced_chi2_ * unit_covariance(problem_, mount_,
+                                                        "the motion does not determine the camera's poses: move more");
     if (!offset_shown_) result.covariance(kImuTimeOffset, kImuTimeOffset) = kSearchS * kSearchS;
   }
 
@@ -167,30 +162,7 @@ class CameraImuProblem {
   }
 
   void solve_once() {
-    ceres::Solver::Options options;
-    options.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
-    options.max_num_iterations = 60;
-    options.function_tolerance = 1e-7;
-    options.num_threads = 1;
-    options.logging_type = ceres::SILENT;
-    ceres::Solver::Summary summary;
-    ceres::Solve(options, &problem_, &summary);
-    const int dof = problem_.NumResiduals() - problem_.NumParameters();
-    if (!summary.IsSolutionUsable() || dof < 1) throw InputError("camera and inertial unit cannot be brought together");
-    reduced_chi2_ = 2 * summary.final_cost / dof;
-  }
-
-  Eigen::Matrix<double, 7, 7> unit_covariance() {
-    ceres::Covariance::Options how;
-    how.algorithm_type = ceres::SPARSE_QR;
-    how.num_threads = 1;
-    ceres::Covariance covariance(how);
-    Eigen::Matrix<double, 7, 7, Eigen::RowMajor> C;
-    const std::vector<std::pair<const double*, const double*>> blocks{{mount_.data(), mount_.data()}};
-    const bool found =
-        covariance.Compute(blocks, &problem_) && covariance.GetCovarianceBlock(mount_.data(), mount_.data(), C.data());
-    if (!found) throw InputError("the motion does not determine the camera's poses: move more");
-    return C;
+    reduced_chi2_ = calib::solve(problem_, 60, 1e-7, "camera and inertial unit cannot be brought together");
   }
 
   const CameraImuInput& input_;

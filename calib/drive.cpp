@@ -10,6 +10,7 @@
 #include <cmath>
 
 #include "calib/drive_errors.h"
+#include "calib/least_squares.h"
 #include "common/error.h"
 #include "common/pose2.h"
 
@@ -34,12 +35,6 @@ Eigen::Matrix3d wheel_covariance(const Planar<double>& step, double track_m) {
   const double way_m = std::hypot(step[0], step[1]) + 0.5 * track_m * std::abs(step[2]);
   const double side2 = 2 * kEncoderM * kEncoderM + kSlipRootM * kSlipRootM * way_m;
   return Eigen::Vector3d(0.5 * side2, 0.5 * side2, 2 * side2 / (track_m * track_m)).asDiagonal();
-}
-
-Eigen::Matrix3d whitening(const Eigen::Matrix3d& covariance) {
-  const Eigen::LLT<Eigen::Matrix3d> llt(covariance);
-  if (llt.info() != Eigen::Success) throw InputError("a covariance of the camera's motion is not positive");
-  return llt.matrixL().solve(Eigen::Matrix3d::Identity());
 }
 
 double turn_of_ways(const Ways& ways, double from_s, double to_s) {
@@ -167,7 +162,10 @@ class DriveProblem {
 
   void store(DriveCalibration& result) {
     result.reduced_chi2 = reduced_chi2_;
-    result.covariance = reduced_chi2_ * unit_covariance();
+    result.covariance =
+        reduced_chi2_ *
+        unit_covariance(problem_, q_,
+                        "the drive does not determine the body's poses: drive on, with turns to both sides");
     if (!offset_shown_) result.covariance(kTimeOffset, kTimeOffset) = kSearchS * kSearchS;
     result.left_scale = q_[kLeftScale];
     result.right_scale = q_[kRightScale];
@@ -192,48 +190,25 @@ class DriveProblem {
   }
 
   void add_step(const Ways& ways, const Span& span, ceres::LossFunction* loss) {
-    auto* error = new StepError{ways, span, whitening(span.covariance + span.wheels)};
+    auto* error = new StepError{ways, span, whitening<3>(span.covariance + span.wheels)};
     problem_.AddResidualBlock(new ceres::AutoDiffCostFunction<StepError, 3, kDriveParameters>(error), loss, q_.data());
   }
 
   void add_wheels(const DriveInput& input, const Ways& ways, const Span& span, ceres::LossFunction* loss) {
-    auto* error = new WheelError{ways, span, whitening(span.wheels)};
+    auto* error = new WheelError{ways, span, whitening<3>(span.wheels)};
     problem_.AddResidualBlock(new ceres::AutoDiffCostFunction<WheelError, 3, kDriveParameters, 3, 3>(error), loss,
                               q_.data(), poses_[span.from].data(), poses_[span.to].data());
     for (const std::size_t i : {span.from, span.to}) {
       if (seen_[i]) continue;
       seen_[i] = true;
-      auto* pose = new PoseError{planar(input.camera[i].T_ref_body), whitening(input.camera[i].covariance)};
+      auto* pose = new PoseError{planar(input.camera[i].T_ref_body), whitening<3>(input.camera[i].covariance)};
       problem_.AddResidualBlock(new ceres::AutoDiffCostFunction<PoseError, 3, kDriveParameters, 3>(pose), loss,
                                 q_.data(), poses_[i].data());
     }
   }
 
   void solve_once() {
-    ceres::Solver::Options options;
-    options.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
-    options.max_num_iterations = 100;
-    options.function_tolerance = 1e-10;
-    options.num_threads = 1;
-    options.logging_type = ceres::SILENT;
-    ceres::Solver::Summary summary;
-    ceres::Solve(options, &problem_, &summary);
-    const int dof = problem_.NumResiduals() - problem_.NumParameters();
-    if (!summary.IsSolutionUsable() || dof < 1) throw InputError("wheels and camera cannot be brought together");
-    reduced_chi2_ = 2 * summary.final_cost / dof;
-  }
-
-  Eigen::Matrix<double, kDriveParameters, kDriveParameters> unit_covariance() {
-    ceres::Covariance::Options how;
-    how.algorithm_type = ceres::SPARSE_QR;
-    how.num_threads = 1;
-    ceres::Covariance covariance(how);
-    Eigen::Matrix<double, kDriveParameters, kDriveParameters, Eigen::RowMajor> C;
-    const std::vector<std::pair<const double*, const double*>> blocks{{q_.data(), q_.data()}};
-    const bool found =
-        covariance.Compute(blocks, &problem_) && covariance.GetCovarianceBlock(q_.data(), q_.data(), C.data());
-    if (!found) throw InputError("the drive does not determine the body's poses: drive on, with turns to both sides");
-    return C;
+    reduced_chi2_ = calib::solve(problem_, 100, 1e-10, "wheels and camera cannot be brought together");
   }
 
   Parameters q_;

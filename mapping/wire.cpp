@@ -53,6 +53,10 @@ std::uint32_t checksum(const std::vector<std::uint8_t>& blocks) {
 bool is_size(double value) {
   return std::isfinite(value) && value > 0 && value < kMaxM;
 }
+/// Not a number is in none of the bounds.
+bool is_place(const Pose2& pose) {
+  return std::abs(pose.x_m) < kMaxM && std::abs(pose.y_m) < kMaxM && std::abs(pose.yaw_rad) < kMaxM;
+}
 bool is_deviation(double value) {
   return std::isfinite(value) && value >= 0 && value < kMaxM;
 }
@@ -92,9 +96,7 @@ Result<MapPatch> from_wire(const map_patch_t& message) {
   MapPatch patch;
   for (std::size_t i = 0; i < message.body_x_m.size(); ++i) {
     const Pose2 body{message.body_x_m[i], message.body_y_m[i], message.body_yaw_rad[i]};
-    if (!(std::abs(body.x_m) < kMaxM && std::abs(body.y_m) < kMaxM && std::abs(body.yaw_rad) < kMaxM)) {
-      return Fault{"a pose that cannot be"};
-    }
+    if (!is_place(body)) return Fault{"a pose that cannot be"};
     patch.bodies.push_back(body);
   }
   patch.source = message.source;
@@ -113,9 +115,7 @@ Result<TeammateState> from_wire(const robot_state_t& message) {
   if (message.robot.empty() || message.robot.size() > kMaxNameLength) return Fault{"the state of nobody"};
   const Twist2 twist{message.speed_mps, message.turn_rate_radps};
   const Pose2 body{message.x_m, message.y_m, message.yaw_rad};
-  if (!(std::abs(body.x_m) < kMaxM && std::abs(body.y_m) < kMaxM && std::abs(body.yaw_rad) < kMaxM)) {
-    return Fault{"a pose that cannot be"};
-  }
+  if (!is_place(body)) return Fault{"a pose that cannot be"};
   if (!(std::abs(twist.speed_mps) < 100 && std::abs(twist.turn_rate_radps) < 100)) return Fault{"a twist too fast"};
   return TeammateState{message.robot, from_utime(message.utime), body, twist};
 }

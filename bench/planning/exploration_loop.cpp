@@ -110,7 +110,7 @@ class Loop {
         camera_(world),
         map_(map_params(params.voxel_m)),
         targets_(params.viewpoints, make_level_camera({kCamera, kBaselineM}, T_body_cam(), 0.3, 5.0),
-                 Eigen::AlignedBox3d(world.region.min_m, world.region.max_m)),
+                 world.region.box_m()),
         pose_(world.starts.front()) {
     grid_.declare_free(pose_.position_m(), kStartClearanceM);
   }

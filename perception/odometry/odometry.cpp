@@ -287,8 +287,8 @@ struct StereoOdometry::State {
   }
 
   Estimate first(Time stamp, const Pyramid& left, const Pyramid& right, const std::string& lost_reason);
-  Estimate next(Time stamp, const Pyramid& left, const Pyramid& right, const std::optional<Eigen::Matrix3d>& turn);
-  Measured follow(const Pyramid& left, const Pyramid& right, const std::optional<Eigen::Matrix3d>& turn) const;
+  Estimate next(Time stamp, const Pyramid& left, const Pyramid& right, const std::optional<Pose>& expected);
+  Measured follow(const Pyramid& left, const Pyramid& right, const std::optional<Pose>& expected) const;
 };
 
 Estimate StereoOdometry::State::first(Time stamp, const Pyramid& left, const Pyramid& right,
@@ -308,15 +308,13 @@ Estimate StereoOdometry::State::first(Time stamp, const Pyramid& left, const Pyr
   return estimate;
 }
 
-/// Looks for the points where the gyro, or else the last step, predicts them; failing that, where the shift of the
-/// whole image does, or where they were.
+/// Looks for the points where wheels and gyro, or else the last step, predict them; failing that, where the shift of
+/// the whole image does, or where they were.
 StereoOdometry::State::Measured StereoOdometry::State::follow(const Pyramid& left, const Pyramid& right,
-                                                              const std::optional<Eigen::Matrix3d>& turn) const {
+                                                              const std::optional<Pose>& expected) const {
   Measured measured;
-  if (turn) {
-    Pose T_step = T_last_now;
-    T_step.linear() = *turn;
-    measured = measure(left, right, T_odom_cam * T_step, true);
+  if (expected) {
+    measured = measure(left, right, T_odom_cam * *expected, true);
     if (good(measured)) return measured;
   }
   measured = measure(left, right, T_odom_cam * T_last_now, true);
@@ -326,8 +324,8 @@ StereoOdometry::State::Measured StereoOdometry::State::follow(const Pyramid& lef
 }
 
 Estimate StereoOdometry::State::next(Time stamp, const Pyramid& left, const Pyramid& right,
-                                     const std::optional<Eigen::Matrix3d>& turn) {
-  const Measured measured = follow(left, right, turn);
+                                     const std::optional<Pose>& expected) {
+  const Measured measured = follow(left, right, expected);
   if (!good(measured)) {
     keyframe_covariance += Matrix6d::Identity();  // the motion across this gap is unknown
     return first(stamp, left, right, "too few points agree on a motion");
@@ -376,7 +374,7 @@ DisparityOffset StereoOdometry::disparity_offset() const {
 }
 
 Estimate StereoOdometry::track(Time stamp, const cv::Mat1b& left, const cv::Mat1b& right,
-                               const std::optional<Eigen::Matrix3d>& turn) {
+                               const std::optional<Pose>& T_last_now) {
   State& state = *state_;
   const PinholeCamera& camera = state.stereo.camera;
   const cv::Size size(camera.width_px, camera.height_px);
@@ -389,10 +387,10 @@ Estimate StereoOdometry::track(Time stamp, const cv::Mat1b& left, const cv::Mat1
     return estimate;
   }
   ++state.pairs;
-  const Pyramid left_pyramid = make_pyramid(left.clone());
+  const Pyramid left_pyramid = make_tracked_pyramid(left.clone());
   const Pyramid right_pyramid = make_pyramid(right.clone());
   return state.tracks.empty() ? state.first(stamp, left_pyramid, right_pyramid, "")
-                              : state.next(stamp, left_pyramid, right_pyramid, turn);
+                              : state.next(stamp, left_pyramid, right_pyramid, T_last_now);
 }
 
 }  // namespace arpent::odometry

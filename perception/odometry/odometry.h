@@ -59,10 +59,10 @@ class StereoOdometry {
   StereoOdometry& operator=(StereoOdometry&&) noexcept;
 
   /// Takes the next pair (8-bit, the camera's size) and returns exactly one estimate. The first pair has the identity
-  /// pose and status OK if it has enough points. Deterministic. `turn`: how the camera has turned since the last pair,
-  /// as a gyro says (camera axes): where points are looked for first.
+  /// pose and status OK if it has enough points. Deterministic. `T_last_now`: the camera now seen from the last pair,
+  /// as wheels and gyro have it: where points are looked for first.
   [[nodiscard]] Estimate track(Time stamp, const cv::Mat1b& left, const cv::Mat1b& right,
-                               const std::optional<Eigen::Matrix3d>& turn = std::nullopt);
+                               const std::optional<Pose>& T_last_now = std::nullopt);
   /// What all disparities were found to be short of so far: a calibration that is good keeps it below 0.3 px.
   [[nodiscard]] DisparityOffset disparity_offset() const;
 

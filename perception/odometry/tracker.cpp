@@ -13,6 +13,10 @@ namespace arpent::odometry {
 namespace {
 
 const cv::Size kWindow(15, 15);
+/// From picture to picture brightness is counted from its mean in this window, as an automatic exposure changes it. Not
+/// between the pictures of a pair, which have one exposure: near edges the mean brings the background along.
+const cv::Size kMeanWindow(31, 31);
+constexpr double kMidGrey = 128;
 constexpr int kMaxLevel = 3;
 /// Levels used where the guess is good to a few pixels.
 constexpr int kRefineLevel = 1;
@@ -30,7 +34,7 @@ constexpr int kPatchWidth = 16;
 constexpr int kPatchMargin = kPatchWidth / 2;
 constexpr float kMaxRowError = 1.0F;
 
-std::vector<std::optional<cv::Point2f>> lucas_kanade(const Pyramid& from, const Pyramid& to,
+std::vector<std::optional<cv::Point2f>> lucas_kanade(const std::vector<cv::Mat>& from, const std::vector<cv::Mat>& to,
                                                      const std::vector<cv::Point2f>& from_px,
                                                      const std::vector<cv::Point2f>& guess_px, int max_level) {
   std::vector<std::optional<cv::Point2f>> result(from_px.size());
@@ -38,9 +42,9 @@ std::vector<std::optional<cv::Point2f>> lucas_kanade(const Pyramid& from, const 
   std::vector<cv::Point2f> found = guess_px;
   std::vector<std::uint8_t> status;
   std::vector<float> difference;
-  cv::calcOpticalFlowPyrLK(from.levels, to.levels, from_px, found, status, difference, kWindow, max_level, kStop,
+  cv::calcOpticalFlowPyrLK(from, to, from_px, found, status, difference, kWindow, max_level, kStop,
                            cv::OPTFLOW_USE_INITIAL_FLOW, kMinEigen);
-  const cv::Rect2f inside(3, 3, static_cast<float>(to.image.cols - 6), static_cast<float>(to.image.rows - 6));
+  const cv::Rect2f inside(3, 3, static_cast<float>(to[0].cols - 6), static_cast<float>(to[0].rows - 6));
   for (std::size_t i = 0; i < found.size(); ++i) {
     if (status[i] != 0 && difference[i] < kMaxDifference && inside.contains(found[i])) result[i] = found[i];
   }
@@ -136,10 +140,21 @@ Pyramid make_pyramid(const cv::Mat1b& image) {
   return pyramid;
 }
 
+Pyramid make_tracked_pyramid(const cv::Mat1b& image) {
+  Pyramid pyramid = make_pyramid(image);
+  cv::Mat1s mean, deviation;
+  cv::boxFilter(image, mean, CV_16S, kMeanWindow, cv::Point(-1, -1), true, cv::BORDER_REFLECT);
+  cv::subtract(image, mean, deviation, cv::noArray(), CV_16S);
+  cv::Mat1b level;
+  deviation.convertTo(level, CV_8U, 1, kMidGrey);
+  cv::buildOpticalFlowPyramid(level, pyramid.steady, kWindow, kMaxLevel, true);
+  return pyramid;
+}
+
 std::vector<std::optional<cv::Point2f>> track_points(const Pyramid& from, const Pyramid& to,
                                                      const std::vector<cv::Point2f>& from_px,
                                                      const std::vector<cv::Point2f>& guess_px) {
-  return lucas_kanade(from, to, from_px, guess_px, kMaxLevel);
+  return lucas_kanade(from.steady, to.steady, from_px, guess_px, kMaxLevel);
 }
 
 cv::Point2d measure_shift(const cv::Mat1b& from, const cv::Mat1b& to) {
@@ -183,7 +198,7 @@ std::vector<std::optional<float>> match_right(const Pyramid& left, const Pyramid
     guess.emplace_back(left_px[i].x - static_cast<float>(*d), left_px[i].y);
     index.push_back(i);
   }
-  const auto refined = to_columns(lucas_kanade(left, right, searched, guess, kSubpixelLevel), searched);
+  const auto refined = to_columns(lucas_kanade(left.levels, right.levels, searched, guess, kSubpixelLevel), searched);
   std::vector<std::optional<float>> result(left_px.size());
   for (std::size_t i = 0; i < index.size(); ++i) result[index[i]] = refined[i];
   return result;
@@ -192,7 +207,7 @@ std::vector<std::optional<float>> match_right(const Pyramid& left, const Pyramid
 std::vector<std::optional<float>> refine_right(const Pyramid& left, const Pyramid& right,
                                                const std::vector<cv::Point2f>& left_px,
                                                const std::vector<cv::Point2f>& guess_px) {
-  return to_columns(lucas_kanade(left, right, left_px, guess_px, kRefineLevel), left_px);
+  return to_columns(lucas_kanade(left.levels, right.levels, left_px, guess_px, kRefineLevel), left_px);
 }
 
 }  // namespace arpent::odometry

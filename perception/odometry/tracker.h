@@ -14,12 +14,15 @@ namespace arpent::odometry {
 /// An image with the pyramid and gradients that Lucas-Kanade needs, computed once.
 struct Pyramid {
   std::vector<cv::Mat> levels;
+  std::vector<cv::Mat> steady;  ///< of the image less its local mean; of tracked images only
   cv::Mat1b image;
 };
 [[nodiscard]] Pyramid make_pyramid(const cv::Mat1b& image);
+/// For images from and to which points are followed: what brightness the exposure gives them does not matter.
+[[nodiscard]] Pyramid make_tracked_pyramid(const cv::Mat1b& image);
 
-/// Follows `from_px` from one image to another, starting at `guess_px`. nullopt where a point was lost: out of the
-/// image, no texture, or an appearance that changed too much.
+/// Follows `from_px` from one tracked image to another, starting at `guess_px`. nullopt where a point was lost: out of
+/// the image, no texture, or an appearance that changed too much.
 [[nodiscard]] std::vector<std::optional<cv::Point2f>> track_points(const Pyramid& from, const Pyramid& to,
                                                                    const std::vector<cv::Point2f>& from_px,
                                                                    const std::vector<cv::Point2f>& guess_px);

@@ -2,15 +2,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "perception/process/odometry_process.h"
 
-#include <arpent/imu_t.hpp>
 #include <cmath>
-#include <map>
 #include <optional>
 #include <utility>
 
 #include "common/bus/typed.h"
 #include "common/channels.h"
 #include "common/config/rig.h"
+#include "perception/fusion/wire.h"
+#include "perception/odometry/motion_hint.h"
 #include "perception/odometry/wire.h"
 #include "perception/stereo/rectifier.h"
 #include "perception/stereo/wire.h"
@@ -19,11 +19,6 @@ namespace arpent {
 namespace {
 
 constexpr double kMaxDisparityOffsetPx = 0.3;
-/// A rate that no robot turns at.
-constexpr double kMaxRateRadps = 50;
-constexpr std::size_t kMaxGyro = 4096;
-constexpr Duration kGyroMargin = std::chrono::milliseconds(40);
-constexpr Duration kGyroSilent = std::chrono::milliseconds(120);
 
 }  // namespace
 
@@ -34,7 +29,7 @@ struct OdometryProcess::State {
   Pose T_body_cam;
   odometry::StereoOdometry odometry;
   std::optional<odometry::BodyOdometry> last;
-  std::map<Time, double> gyro;  ///< rate about body z [rad/s], since the last pair
+  odometry::MotionHint hint;
   std::optional<Time> last_pair;
 
   State(const Config& config, Bus& process_bus)
@@ -57,34 +52,33 @@ struct OdometryProcess::State {
     return repeated;
   }
 
-  void note_gyro(const imu_t& message) {
-    const double rate_radps = message.angular_velocity_radps[2];
-    if (std::abs(rate_radps) > kMaxRateRadps) {
-      bus.health().count(channels::kImu, "invalid");
-      return;
-    }
-    gyro[from_utime(message.utime)] = rate_radps;
-    while (gyro.size() > kMaxGyro) gyro.erase(gyro.begin());
+  template <class Message>
+  std::optional<decltype(fusion::from_wire(Message{}))> checked(const char* channel, const Message& message) const {
+    auto reading = fusion::from_wire(message);
+    if (reading) return reading;
+    bus.health().count(channel, "invalid");
+    return std::nullopt;
   }
 
-  /// How the camera has turned since the last pair; its bias matters little for where points are looked for. Only
-  /// readings that have surely come by now count, so that live and lockstep agree; the newest of them goes on until the
-  /// pair's time. Nullopt if the gyro is silent.
-  std::optional<Eigen::Matrix3d> turn_until(Time stamp) {
-    const std::optional<Time> from = std::exchange(last_pair, stamp);
-    const auto end = gyro.upper_bound(stamp - kGyroMargin);
-    if (!from || end == gyro.begin() || stamp - std::prev(end)->first > kGyroSilent) return std::nullopt;
-    double turn_rad = 0;
-    Time now = *from;
-    for (auto it = gyro.begin(); it != end; ++it) {
-      if (it->first <= now) continue;
-      turn_rad += it->second * to_seconds(it->first - now);
-      now = it->first;
+  void on_imu(const imu_t& message) {
+    if (const auto reading = checked(channels::kImu, message)) {
+      hint.add_turn_rate((*reading)->stamp, (*reading)->yaw_rate_radps);
     }
-    turn_rad += std::prev(end)->second * to_seconds(stamp - now);
-    gyro.erase(gyro.begin(), std::prev(end));
-    const Eigen::Matrix3d R_body = Eigen::AngleAxisd(turn_rad, Eigen::Vector3d::UnitZ()).toRotationMatrix();
-    return T_body_cam.linear().transpose() * R_body * T_body_cam.linear();
+  }
+
+  void on_wheels(const wheel_state_t& message) {
+    const auto reading = checked(channels::kWheelState, message);
+    if (reading && (*reading)->usable)
+      hint.add_way((*reading)->stamp, 0.5 * ((*reading)->left_m + (*reading)->right_m));
+  }
+
+  /// The camera's step since the last pair, as wheels and gyro have it.
+  std::optional<Pose> expected_step(Time stamp) {
+    const std::optional<Time> from = std::exchange(last_pair, stamp);
+    if (!from || stamp <= *from) return std::nullopt;
+    const auto step = hint.step(*from, stamp, last ? last->velocity_body.x() : 0);
+    if (!step) return std::nullopt;
+    return T_body_cam.inverse() * *step * T_body_cam;
   }
 
   /// Beyond doubt: by more than three deviations.
@@ -95,7 +89,7 @@ struct OdometryProcess::State {
 
   odometry::BodyOdometry estimate(const stereo::StereoPair& pair) {
     const auto [left, right] = rectifier.rectify(pair.left, pair.right);
-    return to_body(odometry.track(pair.stamp, left, right, turn_until(pair.stamp)), pair.sequence, T_body_cam,
+    return to_body(odometry.track(pair.stamp, left, right, expected_step(pair.stamp)), pair.sequence, T_body_cam,
                    last ? &*last : nullptr);
   }
 };
@@ -110,7 +104,9 @@ OdometryProcess::OdometryProcess(const Config& config, Bus& bus, Clock& /*clock*
   if (!config.use_gyro) return;
   options.queue_capacity = 256;
   options.latency = Duration(0);
-  subscribe<imu_t>(bus, channels::kImu, options, [this](const imu_t& message) { state_->note_gyro(message); });
+  subscribe<imu_t>(bus, channels::kImu, options, [this](const imu_t& message) { state_->on_imu(message); });
+  subscribe<wheel_state_t>(bus, channels::kWheelState, options,
+                           [this](const wheel_state_t& message) { state_->on_wheels(message); });
 }
 
 OdometryProcess::~OdometryProcess() = default;

@@ -26,7 +26,7 @@ struct OdometryConfig {
   static void describe(Self& self, Visitor& visitor) {
     visitor.field("rig", self.rig, "rig file: intrinsics and mounting of the stereo camera", config::required_path());
     visitor.group("odometry", self.odometry, "visual odometry");
-    visitor.field("use_gyro", self.use_gyro, "IMU says where points are looked for after a turn");
+    visitor.field("use_gyro", self.use_gyro, "IMU, and WHEEL_STATE with it, say where points are looked for");
     visitor.field("latency_us", self.latency_us, "declared time from pair to odometry", config::at_least(0));
   }
 };

@@ -24,6 +24,7 @@ struct PoseProcess::State {
   fusion::ContinuousPose continuous;
   std::deque<Time> waiting;  ///< wheel states whose POSE is due
   std::optional<Time> newest_gyro, newest_wheels;
+  Duration gyro_period{0};  ///< between its newest two readings
   std::int64_t sequence = 0;
   fusion::FilterState reported;  ///< counts that health knows
 
@@ -46,6 +47,7 @@ struct PoseProcess::State {
 
   [[nodiscard]] bool decided(Time stamp) const {
     if (!newest_gyro || *newest_gyro >= stamp || stamp - *newest_gyro > kGyroSilent) return true;
+    if (*newest_gyro + gyro_period > stamp) return true;  // the next reading will be of later
     return *newest_wheels - stamp >= from_seconds(config.gyro_wait_s);
   }
 
@@ -83,7 +85,9 @@ struct PoseProcess::State {
 
   void on_imu(const imu_t& message) {
     if (!take(channels::kImu, message)) return;
-    newest_gyro = from_utime(message.utime);
+    const Time stamp = from_utime(message.utime);
+    if (newest_gyro) gyro_period = stamp - *newest_gyro;
+    newest_gyro = stamp;
     publish_ready();
   }
 

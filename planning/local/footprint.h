@@ -16,6 +16,11 @@ struct FootprintParams {
   double semi_axis_long_m = 0.55;
   double semi_axis_short_m = 0.25;
 
+  /// By a margin all around, for planning.
+  [[nodiscard]] FootprintParams grown(double margin_m) const {
+    return {semi_axis_long_m + margin_m, semi_axis_short_m + margin_m};
+  }
+
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visitor) {
     visitor.field("semi_axis_long_m", self.semi_axis_long_m, "footprint ellipse, along the heading",

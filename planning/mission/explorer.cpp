@@ -82,9 +82,9 @@ struct Explorer::State {
   State(const ExplorerParams& p, const LevelCamera& camera)
       : params(p),
         map(p.tsdf),
-        targets(p.viewpoints, camera, p.region_m()),
+        targets(p.viewpoints, camera, box_between(p.region_min_m, p.region_max_m)),
         grid(p.grid),
-        footprint(p.planning_footprint()),
+        footprint(p.footprint.grown(p.footprint_margin_m)),
         low_level(p.low_level) {}
 
   void integrate(const stereo::DepthMap& depth, const Pose& T_map_cam, const Pose2& body) {

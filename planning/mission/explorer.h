@@ -48,15 +48,6 @@ struct ExplorerParams {
   std::vector<double> region_min_m{-1e6, -1e6, -1e6};
   std::vector<double> region_max_m{1e6, 1e6, 1e6};
 
-  [[nodiscard]] Eigen::AlignedBox3d region_m() const {
-    return {Eigen::Map<const Eigen::Vector3d>(region_min_m.data()),
-            Eigen::Map<const Eigen::Vector3d>(region_max_m.data())};
-  }
-  /// Grown by its margin.
-  [[nodiscard]] FootprintParams planning_footprint() const {
-    return {footprint.semi_axis_long_m + footprint_margin_m, footprint.semi_axis_short_m + footprint_margin_m};
-  }
-
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visitor) {
     visitor.group("viewpoints", self.viewpoints, "where to look from");

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The arpent authors
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// From clusters of viewpoints to a tour: prices the drives between them over the ground, orders the clusters by time
+// From clusters of viewpoints to a tour: prices the drives between them (roads.h), orders the clusters by time
 // (planning/tour), and lists the viewpoints in the order of the visit.
 #pragma once
 
@@ -10,6 +10,7 @@
 #include "common/config/fields.h"
 #include "planning/local/ground.h"
 #include "planning/local/low_level_planner.h"
+#include "planning/mission/roads.h"
 #include "planning/tour/max_atsp.h"
 #include "planning/tour/timed_tours.h"
 #include "planning/viewpoints/viewpoint.h"
@@ -39,16 +40,6 @@ struct PlannedTour {
   std::vector<Viewpoint> viewpoints;
   double completion_s = 0;
 };
-
-struct VisitTimes {
-  double speed_mps = 0.5;
-  double turn_rate_radps = 1.0;
-  double visit_s = 0;   ///< at each viewpoint, at least
-  double looks_hz = 5;  ///< depth images per second
-};
-
-/// The same ground in cells of twice the size, each as bad as the worst of its four: for prices.
-[[nodiscard]] Ground halve(const Ground& ground);
 
 /// Drives are priced on cells of twice the ground's size: one search from the robot and one from each cluster. Clusters
 /// without a way come last, in their order.

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "planning/local/ground.h"
-#include "planning/mission/tour_planner.h"
+#include "planning/mission/roads.h"
 #include "planning/tour/team.h"
 #include "planning/tour/timed_tours.h"
 #include "planning/viewpoints/viewpoint.h"
@@ -31,12 +31,6 @@ struct AllocationParams {
     visitor.group("tsga", self.tsga, "the search of objective tsga");
     visitor.group("utility", self.utility, "eq. 2.3, for tsga and nnb");
   }
-};
-
-/// From where a robot's new tour begins, and how long it takes until it can.
-struct RobotPlace {
-  Pose2 from;
-  double busy_s = 0;
 };
 
 /// Viewpoints in the order of the visit, one list per robot; empty for a robot that gets none. Every cluster is given

@@ -29,12 +29,6 @@ constexpr Duration kLeastMission = std::chrono::seconds(8);
 
 using VoxelSet = std::unordered_set<VoxelIndex, mapping::BlockHash>;
 
-FootprintParams grown(FootprintParams footprint, double margin_m) {
-  footprint.semi_axis_long_m += margin_m;
-  footprint.semi_axis_short_m += margin_m;
-  return footprint;
-}
-
 /// Free for one is free for all; near is what is near to anybody.
 class TeamFreeSpace : public FreeSpace {
  public:
@@ -69,11 +63,6 @@ class TeamFreeSpace : public FreeSpace {
   std::vector<Pose2> robots_;
   Barred barred_;
 };
-
-Eigen::AlignedBox3d region_of(const CentreParams& params) {
-  return {Eigen::Map<const Eigen::Vector3d>(params.region_min_m.data()),
-          Eigen::Map<const Eigen::Vector3d>(params.region_max_m.data())};
-}
 
 }  // namespace
 
@@ -117,9 +106,9 @@ struct Centre::State {
   State(const CentreParams& p, const LevelCamera& camera)
       : params(p),
         map(p.tsdf),
-        targets(p.viewpoints, camera, region_of(p)),
+        targets(p.viewpoints, camera, box_between(p.region_min_m, p.region_max_m)),
         grid(p.grid),
-        footprint(grown(p.footprint, p.footprint_margin_m)),
+        footprint(p.footprint.grown(p.footprint_margin_m)),
         body(p.footprint) {}
 
   Result<std::size_t> take(const mapping::MapPatch& patch) {

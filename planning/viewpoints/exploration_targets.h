@@ -6,6 +6,7 @@
 // block; the rest is made when it is asked for.
 #pragma once
 
+#include <Eigen/Geometry>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -29,6 +30,12 @@ struct Targets {
   /// the element.
   std::vector<Certificate> remaining;
 };
+
+/// The region of two corners as config has them, three numbers each.
+[[nodiscard]] inline Eigen::AlignedBox3d box_between(const std::vector<double>& min_m,
+                                                     const std::vector<double>& max_m) {
+  return {Eigen::Map<const Eigen::Vector3d>(min_m.data()), Eigen::Map<const Eigen::Vector3d>(max_m.data())};
+}
 
 class ExplorationTargets {
  public:

@@ -137,7 +137,8 @@ struct SimProcess::State {
     chassis.step(now, kCycleS);
     const Twist2 pushed = chassis.twist();
     drive(pushed);
-    publish(bus, channels::kImu, sim::to_wire(now, cycle, imu.read(robot.twist(), kCycleS)));
+    // A reading is the mean of the cycle that ends now, and of its middle.
+    publish(bus, channels::kImu, sim::to_wire(now - kCycle / 2, cycle, imu.read(robot.twist(), kCycleS)));
     publish(bus, channels::kTruthPose, sim::to_wire(now, robot.pose()));
     if (cycle++ % cycles_per_pair != 0) return;
     if (config.sensing == "images") {

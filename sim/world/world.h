@@ -6,7 +6,7 @@
 // and the ground checks (ground.h) are built from it; nothing here renders.
 #pragma once
 
-#include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <array>
 #include <filesystem>
 #include <memory>
@@ -116,6 +116,7 @@ struct Region {
   Eigen::Vector3d min_m = Eigen::Vector3d::Zero();
   Eigen::Vector3d max_m = Eigen::Vector3d::Zero();
 
+  [[nodiscard]] Eigen::AlignedBox3d box_m() const { return {min_m, max_m}; }
   [[nodiscard]] bool contains(const Eigen::Vector3d& p_world_m) const {
     return (p_world_m.array() >= min_m.array()).all() && (p_world_m.array() <= max_m.array()).all();
   }

@@ -25,7 +25,6 @@ namespace fs = std::filesystem;
 using Steady = std::chrono::steady_clock;
 using namespace std::chrono_literals;
 
-constexpr std::size_t kProgressSteps = 1000;
 constexpr auto kComeUp = 30s;
 /// The mission's own limit ends it; this much later it is ended from outside.
 constexpr double kPatienceS = 30;
@@ -57,10 +56,7 @@ class Ear {
   }
   [[nodiscard]] const std::optional<planning::MissionReport>& report() const { return report_; }
   [[nodiscard]] const std::map<std::string, ProcessFigures>& figures() const { return figures_; }
-  [[nodiscard]] bool ended() const {
-    return report_ &&
-           (report_->state == planning::MissionState::kDone || report_->state == planning::MissionState::kAborted);
-  }
+  [[nodiscard]] bool ended() const { return report_ && has_ended(*report_); }
 
  private:
   static void count_message(ProcessFigures& figures, const std::string& text) {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The arpent authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include <time.h>
+#include "tools/mission/lockstep.h"
 
 #include <arpent/config_t.hpp>
 #include <chrono>
@@ -11,30 +11,16 @@
 #include "common/channels.h"
 #include "common/config/rig.h"
 #include "common/config/robot.h"
+#include "common/cpu_time.h"
 #include "common/error.h"
 #include "common/memory.h"
 #include "mapping/surface/mesh_extraction.h"
 #include "tools/mission/live.h"
-#include "tools/mission/run.h"
 #include "tools/progress.h"
 #include "tools/replay/replay.h"
 
 namespace arpent::tools {
 namespace {
-
-/// Any time will do; a date makes logs readable. The same for every run, so that logs can be compared.
-constexpr Time kStart{std::chrono::seconds(1767225600)};  // 2026-01-01
-constexpr Duration kStartAfter = std::chrono::milliseconds(500);
-constexpr Duration kStep = std::chrono::milliseconds(200);
-/// After the end the base has still to come to rest.
-constexpr Duration kRunOut = std::chrono::seconds(1);
-constexpr std::size_t kProgressSteps = 1000;
-
-double process_cpu_s() {
-  timespec t{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-}
 
 std::string text_of(const std::filesystem::path& file) {
   std::ifstream in(file);
@@ -50,6 +36,19 @@ void show(const MissionResult& result) {
 }
 
 }  // namespace
+
+SimProcess& add_robot(LockstepStack& stack, const MissionSpec& robot, const std::string& prefix) {
+  SimProcess& sim = stack.add<SimProcess>(robot.sim, prefix);
+  stack.add<BaseDriverProcess>(robot.base, prefix);
+  if (robot.sensing == "images") {
+    stack.add<DepthProcess>(robot.depth, prefix);
+    stack.add<OdometryProcess>(robot.odometry, prefix);
+    stack.add<TagProcess>(robot.tags, prefix);
+  }
+  stack.add<PoseProcess>(robot.pose, prefix);
+  stack.add<TrackerProcess>(robot.tracker, prefix);
+  return sim;
+}
 
 /// The parameters of perception and mapping, so that the log replays with nothing else at hand.
 void write_configs(LogWriter& log, Time time, const MissionSpec& spec) {
@@ -89,24 +88,12 @@ MissionResult run_lockstep(const MissionSpec& spec, const MissionOptions& option
   LockstepStack stack(kStart, options.threads);
   stack.executor().set_tap(
       [&](Time time, const std::string& channel, BytesView bytes) { collector.take(time, channel, bytes); });
-  const SimProcess& sim = stack.add<SimProcess>(spec.sim);
-  stack.add<BaseDriverProcess>(spec.base);
-  if (spec.sensing == "images") {
-    stack.add<DepthProcess>(spec.depth);
-    stack.add<OdometryProcess>(spec.odometry);
-    stack.add<TagProcess>(spec.tags);
-  }
-  stack.add<PoseProcess>(spec.pose);
-  stack.add<TrackerProcess>(spec.tracker);
+  const SimProcess& sim = add_robot(stack, spec);
   const MappingProcess& mapping = stack.add<MappingProcess>(spec.mapping);
   stack.add<MissionProcess>(spec.mission);
   stack.executor().inject(kStart + kStartAfter, channels::kMissionCommand,
                           encode(planning::to_wire(kStart, {planning::MissionCommand::kStart, "mission"})));
-  const auto ended = [&] {
-    return !result.reports.empty() && (result.reports.back().state == planning::MissionState::kDone ||
-                                       result.reports.back().state == planning::MissionState::kAborted);
-  };
-  while (!ended() && !interrupted()) {
+  while (!result.ended() && !interrupted()) {
     stack.executor().run_until(stack.executor().now() + kStep);
     if (options.progress) show(result);
   }

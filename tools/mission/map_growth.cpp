@@ -32,10 +32,6 @@ std::map<Time, Pose> read_poses(const std::filesystem::path& log, const std::str
   return poses;
 }
 
-Eigen::AlignedBox3d box_of(const sim::Region& region) {
-  return {region.min_m, region.max_m};
-}
-
 }  // namespace
 
 std::int64_t replay_map(const std::filesystem::path& log, const MissionSetting& setting, int moments,
@@ -46,7 +42,7 @@ std::int64_t replay_map(const std::filesystem::path& log, const MissionSetting& 
   const Pose T_body_cam = stereo::Rectifier(to_calibration(setting.rig, setting.rig.name)).T_body_rectified();
   mapping::TsdfMap map(setting.replay.mapping.tsdf);
   mapping::IncrementalMesher mesher;
-  mapping::IncompleteSurface incomplete(mapping::UnknownRule::kSignChange, box_of(setting.world.region));
+  mapping::IncompleteSurface incomplete(mapping::UnknownRule::kSignChange, setting.world.region.box_m());
   const auto stop = [&](Time stamp) {
     mesher.update(map);
     incomplete.update(map);

@@ -28,10 +28,6 @@ constexpr int kMoments = 30;
 constexpr double kFilmSeconds = 8;
 const cv::Size kPicture(1000, 700), kFrame(520, 364);
 
-Eigen::AlignedBox3f box_of(const sim::Region& region) {
-  return {region.min_m.cast<float>(), region.max_m.cast<float>()};
-}
-
 /// Blue behind the true surface, red in front of it, white on it.
 Rgb error_color(float error_m, double limit_m) {
   if (std::isnan(error_m)) return kGhost;
@@ -96,7 +92,7 @@ struct Growth {
 
 Growth grow(const MissionSetting& setting, const MissionResult& result, const MissionEvaluation& evaluation) {
   Growth growth;
-  const auto box = box_of(setting.world.region);
+  const Eigen::AlignedBox3f box = setting.world.region.box_m().cast<float>();
   const Time begin = result.truth.front().stamp;
   growth.fused = replay_map(result.log, setting, kMoments, [&](const MapMoment& moment) {
     const double t = to_seconds(moment.stamp - begin);
@@ -124,7 +120,7 @@ void add_figures(report::Page& page, const MissionEvaluation& evaluation) {
 
 void add_pictures(report::Page& page, const MissionSetting& setting, const MissionResult& result,
                   const MissionEvaluation& evaluation) {
-  const auto box = box_of(setting.world.region);
+  const Eigen::AlignedBox3f box = setting.world.region.box_m().cast<float>();
   const std::vector<report::ViewPath> path{driven(result, result.truth.back().stamp)};
   const double limit_m = evaluation.reconstruction.e_max_m;
   page.pictures({{report::draw_open(result.mesh, path, box, kPicture),
@@ -215,12 +211,15 @@ void write_growth(const std::filesystem::path& folder, const std::filesystem::pa
   const MissionFolder mission = read_mission_folder(folder, world);
   const MissionEvaluation evaluation = evaluate_mission(mission.setting, mission.result, legal_views(mission.setting));
   std::string text = "time_s,path_m,coverage_percent,incomplete_elements\n";
+  const evaluation::Trajectory& truth = mission.result.truth;
+  double path_m = 0;
+  std::size_t next = 1;  // of the truth, not yet in path_m: moments come in order
   replay_map(mission.result.log, mission.setting, kMoments, [&](const MapMoment& moment) {
-    const auto path = driven(mission.result, moment.stamp).points_m;
-    double path_m = 0;
-    for (std::size_t i = 1; i < path.size(); ++i) path_m += (path[i] - path[i - 1]).norm();
-    text += fmt::format("{:.2f},{:.2f},{:.2f},{}\n", to_seconds(moment.stamp - mission.result.truth.front().stamp),
-                        path_m, evaluation::coverage_percent(evaluation.truth, moment.mesh, mission.setting.voxel_m()),
+    for (; next < truth.size() && truth[next].stamp <= moment.stamp; ++next) {
+      path_m += (truth[next].T_ref_body.translation() - truth[next - 1].T_ref_body.translation()).norm();
+    }
+    text += fmt::format("{:.2f},{:.2f},{:.2f},{}\n", to_seconds(moment.stamp - truth.front().stamp), path_m,
+                        evaluation::coverage_percent(evaluation.truth, moment.mesh, mission.setting.voxel_m()),
                         moment.incomplete);
   });
   atomic_write(csv, text);

@@ -37,6 +37,13 @@ struct StampedTwist {
   Twist2 commanded;
 };
 
+/// Progress bars have so many steps.
+inline constexpr std::size_t kProgressSteps = 1000;
+
+[[nodiscard]] inline bool has_ended(const planning::MissionReport& report) {
+  return report.state == planning::MissionState::kDone || report.state == planning::MissionState::kAborted;
+}
+
 struct MissionResult {
   std::vector<planning::MissionReport> reports;
   evaluation::Trajectory truth;     ///< body in world
@@ -55,6 +62,7 @@ struct MissionResult {
   std::filesystem::path log;
 
   [[nodiscard]] bool done() const { return !reports.empty() && reports.back().state == planning::MissionState::kDone; }
+  [[nodiscard]] bool ended() const { return !reports.empty() && has_ended(reports.back()); }
 };
 
 /// Gathers a result from the messages of a run, in order; writes them to `log` if there is one, images compressed.

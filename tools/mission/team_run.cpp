@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tools/mission/team_run.h"
 
-#include <time.h>
-
 #include <algorithm>
 #include <chrono>
 #include <memory>
@@ -11,30 +9,20 @@
 #include "common/bus/typed.h"
 #include "common/channels.h"
 #include "common/config/robot.h"
+#include "common/cpu_time.h"
 #include "common/ellipse.h"
 #include "common/error.h"
 #include "common/memory.h"
 #include "mapping/surface/mesh_extraction.h"
 #include "planning/local/obstacles.h"
 #include "tools/mission/live.h"
+#include "tools/mission/lockstep.h"
 #include "tools/progress.h"
 
 namespace arpent::tools {
 namespace {
 
-/// As for one robot (lockstep.cpp).
-constexpr Time kStart{std::chrono::seconds(1767225600)};  // 2026-01-01
-constexpr Duration kStartAfter = std::chrono::milliseconds(500);
-constexpr Duration kStep = std::chrono::milliseconds(200);
-constexpr Duration kRunOut = std::chrono::seconds(1);
-constexpr std::size_t kProgressSteps = 1000;
 const char* const kCentre = "centre";
-
-double process_cpu_s() {
-  timespec t{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-}
 
 /// Compares the robots' true poses of each moment.
 class EncounterWatch {
@@ -74,11 +62,6 @@ struct Listener {
   std::unique_ptr<MissionCollector> collector;
 };
 
-bool has_ended(const MissionResult& result) {
-  return !result.reports.empty() && (result.reports.back().state == planning::MissionState::kDone ||
-                                     result.reports.back().state == planning::MissionState::kAborted);
-}
-
 class TeamRun {
  public:
   TeamRun(const MissionSpec& spec, const MissionOptions& options)
@@ -90,7 +73,10 @@ class TeamRun {
     for (std::size_t i = 0; i < result_.names.size(); ++i) {
       const MissionSpec robot = spec_of_robot(spec, static_cast<int>(i));
       listen(options.out / result_.names[i], robot, result_.robots[i]);
-      add_robot(robot, result_.names[i] + "/");
+      const std::string prefix = result_.names[i] + "/";
+      sims_.push_back(&add_robot(stack_, robot, prefix));
+      stack_.add<PatchProcess>(robot.patch, prefix);
+      stack_.add<MissionProcess>(robot.mission, prefix);
     }
     std::filesystem::create_directories(options.out / kCentre);
     centre_log_ = std::make_unique<LogWriter>(options.out / kCentre / "mission.lcmlog");
@@ -128,20 +114,6 @@ class TeamRun {
     listeners_.push_back(std::move(listener));
   }
 
-  void add_robot(const MissionSpec& robot, const std::string& prefix) {
-    sims_.push_back(&stack_.add<SimProcess>(robot.sim, prefix));
-    stack_.add<BaseDriverProcess>(robot.base, prefix);
-    if (robot.sensing == "images") {
-      stack_.add<DepthProcess>(robot.depth, prefix);
-      stack_.add<OdometryProcess>(robot.odometry, prefix);
-      stack_.add<TagProcess>(robot.tags, prefix);
-    }
-    stack_.add<PoseProcess>(robot.pose, prefix);
-    stack_.add<TrackerProcess>(robot.tracker, prefix);
-    stack_.add<PatchProcess>(robot.patch, prefix);
-    stack_.add<MissionProcess>(robot.mission, prefix);
-  }
-
   void add_centre() {
     centre_ = &stack_.add<CentreProcess>(spec_.centre, std::string(kCentre) + "/");
     RadioConfig radio = spec_.radio;
@@ -170,7 +142,7 @@ class TeamRun {
 
   [[nodiscard]] bool all_ended() const {
     for (std::size_t i = 0; i < result_.names.size(); ++i) {
-      if (!is_dead(result_.names[i]) && !has_ended(result_.robots[i])) return false;
+      if (!is_dead(result_.names[i]) && !result_.robots[i].ended()) return false;
     }
     return true;
   }

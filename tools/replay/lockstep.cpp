@@ -1,7 +1,5 @@
 // SPDX-FileCopyrightText: The arpent authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include <time.h>
-
 #include <algorithm>
 #include <arpent/map_status_t.hpp>
 #include <arpent/odometry_t.hpp>
@@ -10,6 +8,7 @@
 #include "common/bus/lockstep.h"
 #include "common/bus/typed.h"
 #include "common/channels.h"
+#include "common/cpu_time.h"
 #include "common/crc32c.h"
 #include "common/log/event_log.h"
 #include "common/memory.h"
@@ -21,12 +20,6 @@
 
 namespace arpent::tools {
 namespace {
-
-double process_cpu_s() {
-  timespec t{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-}
 
 std::uint32_t crc_in_log(const std::string& channel, BytesView bytes) {
   const Bytes compact = compact_for_log(channel, bytes);

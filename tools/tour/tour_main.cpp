@@ -7,10 +7,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <ctime>
 #include <nlohmann/json.hpp>
 
 #include "common/atomic_file.h"
+#include "common/cpu_time.h"
 #include "common/error.h"
 #include "planning/tour/max_atsp.h"
 #include "tools/tour/tsplib.h"
@@ -26,9 +26,7 @@ struct Flags {
 
 /// CPU time of this process: another's load on the machine must not cost steps.
 double now_ms() {
-  timespec t{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) * 1e3 + static_cast<double>(t.tv_nsec) * 1e-6;
+  return 1e3 * process_cpu_s();
 }
 
 /// Total steps so that the search ends at `until_ms`: a first piece measures the speed, later ones correct it.

@@ -251,6 +251,20 @@ TEST_F(OdometryDrive, ABlindMomentIsLostAndTheWayGoesOnWithoutAJump) {
   EXPECT_GT(after.covariance.trace(), before.covariance.trace() + 1) << "the gap is uncertain";
 }
 
+TEST_F(OdometryDrive, AnAutomaticExposureDoesNotMoveFaintTexture) {
+  // A quarter of the contrast, and from pair to pair brighter or darker by a sixth, as when a robot turns to a window.
+  StereoOdometry odometry(kStereo, {});
+  for (std::size_t i = 0; i < drive_.size(); ++i) {
+    auto p = pair(drive_[i], i);
+    const double exposure = i % 2 == 0 ? 1.0 : 1.0 / 6 + 1;
+    for (cv::Mat1b* image : {&p.left, &p.right}) image->convertTo(*image, CV_8U, 0.25 * exposure, 80 * exposure);
+    const Estimate e = odometry.track(drive_[i].stamp, p.left, p.right);
+    EXPECT_NE(e.status, Status::kLost) << i << e.reason;
+    EXPECT_LT((e.T_odom_cam.translation() - truth(drive_[i]).translation()).norm(), 0.05) << i;
+    EXPECT_LT(so3_log(e.T_odom_cam.linear().transpose() * truth(drive_[i]).linear()).norm(), 0.01) << i;
+  }
+}
+
 TEST_F(OdometryDrive, AGyroFindsPointsThatATurnMovedFar) {
   // Turning on the spot by 15 degrees from pair to pair: a quarter of the image.
   constexpr double kTurnRad = 0.26;
@@ -258,12 +272,14 @@ TEST_F(OdometryDrive, AGyroFindsPointsThatATurnMovedFar) {
   StereoOdometry with(kStereo, {}), without(kStereo, {});
   sim::DrivePose turning = drive_[0];
   const Eigen::Matrix3d R_body = Eigen::AngleAxisd(kTurnRad, Vector3d::UnitZ()).toRotationMatrix();
-  const Eigen::Matrix3d turn = T_body_cam_.linear().transpose() * R_body * T_body_cam_.linear();
+  Pose T_body_step = Pose::Identity();
+  T_body_step.linear() = R_body;
+  const Pose turn = T_body_cam_.inverse() * T_body_step * T_body_cam_;
   for (std::uint64_t i = 0; i < 12; ++i) {
     const bool turns = i % 3 == 2;  // suddenly, so that no constant motion predicts it
     if (turns) turning.T_world_body.linear() = turning.T_world_body.linear() * R_body;
     const auto p = pair(turning, i);
-    const auto hint = turns ? turn : Eigen::Matrix3d(Eigen::Matrix3d::Identity());
+    const Pose hint = turns ? turn : Pose::Identity();
     const Estimate a = with.track(Time(), p.left, p.right, hint), b = without.track(Time(), p.left, p.right);
     found_with += a.status != Status::kLost ? 1 : 0;
     found_without += b.status != Status::kLost ? 1 : 0;

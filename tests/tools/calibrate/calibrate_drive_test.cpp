@@ -16,6 +16,7 @@
 #include "common/pose2.h"
 #include "tests/calib/simulated_drive.h"
 #include "tests/perception/tags/cube_pictures.h"
+#include "tests/tools/calibrate/log_messages.h"
 #include "tests/tools/calibrate/verb.h"
 #include "tools/calibrate/drive_report.h"
 #include "tools/mission/run.h"
@@ -28,16 +29,6 @@ using calib::CameraMotion;
 using testing::HasSubstr;
 
 const fs::path kConfig = ARPENT_SOURCE_DIR "/config";
-
-/// Moments of the drive begin long after the epoch.
-Time at(double t_s) {
-  return Time(std::chrono::seconds(1000) + from_seconds(t_s));
-}
-
-template <class Message>
-void write(LogWriter& log, double t_s, const char* channel, const Message& message) {
-  ASSERT_TRUE(log.write(at(t_s), channel, encode(message)));
-}
 
 Matrix6d on_the_ground(const Eigen::Matrix3d& planar) {
   Matrix6d covariance = 1e-6 * Matrix6d::Identity();

@@ -17,6 +17,7 @@
 #include "perception/stereo/wire.h"
 #include "tests/calib/board_picture.h"
 #include "tests/calib/simulated_imu.h"
+#include "tests/tools/calibrate/log_messages.h"
 #include "tests/tools/calibrate/verb.h"
 #include "tools/calibrate/motion_log.h"
 
@@ -28,15 +29,6 @@ using calib::CameraMotion;
 using testing::HasSubstr;
 
 const fs::path kRig = ARPENT_SOURCE_DIR "/config/rigs/wifibot_stereo.yaml";
-
-Time at(double t_s) {
-  return Time(std::chrono::seconds(1000) + from_seconds(t_s));
-}
-
-template <class Message>
-void write(LogWriter& log, double t_s, const char* channel, const Message& message) {
-  ASSERT_TRUE(log.write(at(t_s), channel, encode(message)));
-}
 
 void write_readings(LogWriter& log, const calib::CameraImuInput& input) {
   std::int64_t sequence = 0;

@@ -33,7 +33,7 @@ struct LinkParams {
   int domain = 42;
   std::string security = "on";
   std::filesystem::path keys;
-  double bulk_rate_mbps = 2.0;
+  double bulk_rate_mbps = 1.0;
   int patch_history = 4096;
 
   template <class Self, class Visitor>
@@ -49,9 +49,10 @@ struct LinkParams {
     visitor.field("security", self.security, "off only for a bench: everybody in reach may then command",
                   config::one_of({"on", "off"}));
     visitor.field("keys", self.keys, "this station's folder, made by ./arpent team keys");
-    visitor.field("bulk_rate_mbps", self.bulk_rate_mbps,
-                  "patches leave no faster than this, overhead included; well below the link's rate",
-                  config::between(0.01, 1000.0));
+    visitor.field(
+        "bulk_rate_mbps", self.bulk_rate_mbps,
+        "patches leave no faster than this, overhead included; times all stations it stays below the rate of the air",
+        config::between(0.01, 1000.0));
     visitor.field("patch_history", self.patch_history,
                   "pieces of patches (8 kB at most each) that are kept for stations that come late",
                   config::between(1, 100000));

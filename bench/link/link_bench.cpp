@@ -179,7 +179,7 @@ void measure(Report& report) {
 }  // namespace arpent::bench
 
 int main(int argc, char** argv) {
-  if (const std::string reason = arpent::tools::RadioLab::refused(); !reason.empty()) {
+  if (const std::string reason = arpent::radio_network_refused(); !reason.empty()) {
     std::fprintf(stderr, "bench link needs network namespaces and TAP interfaces: %s\n", reason.c_str());
     return 1;
   }

@@ -2,18 +2,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "common/net/tap_hub.h"
 
-#include <arpa/inet.h>
 #include <fcntl.h>
 #include <linux/if_tun.h>
 #include <net/if.h>
 #include <poll.h>
 #include <sys/ioctl.h>
-#include <sys/socket.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
 #include <chrono>
 #include <cstring>
 #include <map>
@@ -22,6 +19,7 @@
 #include <thread>
 #include <vector>
 
+#include "common/net/interface.h"
 #include "common/net/private_network.h"
 
 namespace arpent {
@@ -34,24 +32,6 @@ using Frame = std::vector<std::uint8_t>;
 constexpr char kInterface[] = "radio0";
 constexpr std::size_t kMaxFrame = 2048;
 
-std::string fault(const char* what) {
-  return std::string(what) + ": " + std::strerror(errno);
-}
-
-bool set_up(int socket_fd, const std::string& ipv4) {
-  ifreq request{};
-  std::strncpy(request.ifr_name, kInterface, IFNAMSIZ - 1);
-  auto* address = reinterpret_cast<sockaddr_in*>(&request.ifr_addr);
-  address->sin_family = AF_INET;
-  if (inet_pton(AF_INET, ipv4.c_str(), &address->sin_addr) != 1) return false;
-  if (ioctl(socket_fd, SIOCSIFADDR, &request) != 0) return false;
-  inet_pton(AF_INET, "255.255.255.0", &address->sin_addr);
-  if (ioctl(socket_fd, SIOCSIFNETMASK, &request) != 0) return false;
-  if (ioctl(socket_fd, SIOCGIFFLAGS, &request) != 0) return false;
-  request.ifr_flags = static_cast<short>(request.ifr_flags | IFF_UP | IFF_RUNNING | IFF_MULTICAST);
-  return ioctl(socket_fd, SIOCSIFFLAGS, &request) == 0;
-}
-
 int open_tap() {
   const int fd = open("/dev/net/tun", O_RDWR | O_NONBLOCK | O_CLOEXEC);
   if (fd < 0) return -1;
@@ -63,6 +43,10 @@ int open_tap() {
   return -1;
 }
 
+bool is_ipv6(const Frame& frame) {
+  return frame[12] == 0x86 && frame[13] == 0xdd;
+}
+
 Mac mac_at(const Frame& frame, std::size_t offset) {
   Mac mac{};
   std::copy_n(frame.begin() + static_cast<std::ptrdiff_t>(offset), mac.size(), mac.begin());
@@ -71,6 +55,13 @@ Mac mac_at(const Frame& frame, std::size_t offset) {
 
 }  // namespace
 
+std::string radio_network_refused() {
+  // As an ordinary user this makes a user namespace, which later permits each thread a network of its own.
+  static const std::string reason = enter_private_network();
+  if (!reason.empty()) return reason;
+  return access("/dev/net/tun", R_OK | W_OK) == 0 ? "" : "/dev/net/tun is not accessible";
+}
+
 Result<int> enter_radio_network(const std::string& ipv4) {
   if (std::string reason = enter_private_network(); !reason.empty()) return Fault{std::move(reason)};
   return open_radio_interface(ipv4);
@@ -78,12 +69,11 @@ Result<int> enter_radio_network(const std::string& ipv4) {
 
 Result<int> open_radio_interface(const std::string& ipv4) {
   const int tap_fd = open_tap();
-  if (tap_fd < 0) return Fault{fault("a TAP interface")};
-  const int socket_fd = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
-  const bool ready = socket_fd >= 0 && set_up(socket_fd, ipv4);
-  std::string reason = ready ? "" : fault("address of a TAP interface");
-  if (socket_fd >= 0) close(socket_fd);
-  if (ready) return tap_fd;
+  if (tap_fd < 0) return Fault{net_fault("a TAP interface")};
+  std::string reason = configure_network("address of a TAP interface", [&](int socket_fd) {
+    return set_address(socket_fd, kInterface, ipv4, "255.255.255.0") && bring_up(socket_fd, kInterface);
+  });
+  if (reason.empty()) return tap_fd;
   close(tap_fd);
   return Fault{std::move(reason)};
 }
@@ -129,6 +119,7 @@ struct TapHub::State {
   }
 
   void send(std::size_t from, const Frame& frame, Steady::time_point now) {
+    if (is_ipv6(frame)) return;
     ++traffic.frames;
     traffic.bytes += static_cast<std::int64_t>(frame.size());
     learned[mac_at(frame, 6)] = from;

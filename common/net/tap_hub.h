@@ -3,7 +3,8 @@
 //
 // A radio for live tests and benches: network namespaces, one for each station, joined by a hub in this process that
 // loses, delays and limits Ethernet frames (the kernel needs no netem). Nothing leaves the machine. Links of different
-// senders do not share the air: each station has a rate of its own, up and down.
+// senders do not share the air: each station has a rate of its own, up and down. The stations speak IPv4: what the
+// kernel says of itself in IPv6 is neither carried nor counted.
 #pragma once
 
 #include <cstdint>
@@ -15,6 +16,10 @@
 #include "common/result.h"
 
 namespace arpent {
+
+/// Why this machine permits no radio network, empty if it does: then the process has moved into a network of its own.
+/// To be called before any thread is started.
+[[nodiscard]] std::string radio_network_refused();
 
 /// As enter_private_network(), with one more interface, `radio0`, that has this address (/24). The frames of that
 /// interface come and go through the returned file descriptor, which the caller owns. The calling thread alone moves,

@@ -49,7 +49,7 @@ Bytes numbered(int number) {
 class TeamLinkLive : public testing::Test {
  protected:
   void SetUp() override {
-    if (const std::string reason = tools::RadioLab::refused(); !reason.empty()) GTEST_SKIP() << reason;
+    if (const std::string reason = radio_network_refused(); !reason.empty()) GTEST_SKIP() << reason;
     fs::create_directories(scratch_);
     tools::make_keys({.out = scratch_ / "keys", .stations = {"R1", "R2", "centre"}});
   }

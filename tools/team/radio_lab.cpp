@@ -17,7 +17,6 @@
 #include "common/bus/typed.h"
 #include "common/channels.h"
 #include "common/error.h"
-#include "common/net/private_network.h"
 
 namespace arpent::tools {
 namespace {
@@ -105,13 +104,6 @@ struct RadioLab::Member {
     done.get();
   }
 };
-
-std::string RadioLab::refused() {
-  // As an ordinary user this makes a user namespace, which later permits each thread a network of its own.
-  static const std::string reason = enter_private_network();
-  if (!reason.empty()) return reason;
-  return access("/dev/net/tun", R_OK | W_OK) == 0 ? "" : "/dev/net/tun is not accessible";
-}
 
 RadioLab::RadioLab(const std::vector<LabStation>& stations, const AirParams& air, const fs::path& bin,
                    const fs::path& scratch, const std::function<void(int, LcmBus&)>& subscribe)

@@ -26,11 +26,9 @@ struct LabStation {
 
 class RadioLab {
  public:
-  /// Why this machine does not permit it, empty if it does. To be called before any thread is started.
-  [[nodiscard]] static std::string refused();
-
   /// `bin`: where team_link_process is. `scratch`: for its output. `subscribe` is called for each station before its
-  /// bus runs; what it subscribes is handled in a thread of that station. Throws InputError if a network is refused.
+  /// bus runs; what it subscribes is handled in a thread of that station. Throws InputError if a network is refused
+  /// (radio_network_refused() says so before).
   RadioLab(const std::vector<LabStation>& stations, const AirParams& air, const std::filesystem::path& bin,
            const std::filesystem::path& scratch, const std::function<void(int station, LcmBus&)>& subscribe);
   ~RadioLab();

@@ -25,11 +25,9 @@ std::optional<std::map<Time, double>::const_iterator> usable_end(const std::map<
   return end;
 }
 
-/// Between readings as if they were joined by lines, beyond them as the two nearest go on; needs two.
-double value_at(const std::map<Time, double>& readings, std::map<Time, double>::const_iterator end, Time at) {
-  auto after = readings.lower_bound(at);
-  if (after == readings.begin()) ++after;
-  while (after == readings.end() || (end != readings.end() && after->first >= end->first)) --after;
+/// Between the readings up to `last` as if they were joined by lines, beyond them as the two nearest go on; needs two.
+double value_at(const std::map<Time, double>& readings, std::map<Time, double>::const_iterator last, Time at) {
+  auto after = at > last->first ? last : readings.lower_bound(at);
   if (after == readings.begin()) ++after;
   const auto before = std::prev(after);
   const double share = to_seconds(at - before->first) / to_seconds(after->first - before->first);
@@ -64,7 +62,7 @@ std::optional<double> MotionHint::turn_rad(Time from, Time to) {
 std::optional<double> MotionHint::way_m(Time from, Time to) {
   const auto end = usable_end(ways_m_, to);
   if (!end || std::distance(ways_m_.cbegin(), *end) < 2 || from < ways_m_.begin()->first) return std::nullopt;
-  const double way = value_at(ways_m_, *end, to) - value_at(ways_m_, *end, from);
+  const double way = value_at(ways_m_, std::prev(*end), to) - value_at(ways_m_, std::prev(*end), from);
   // The next step begins at `to`, before which two readings are wanted.
   ways_m_.erase(ways_m_.cbegin(), std::prev(*end, 2));
   return way;

@@ -52,24 +52,16 @@ struct OdometryProcess::State {
     return repeated;
   }
 
-  template <class Message>
-  std::optional<decltype(fusion::from_wire(Message{}))> checked(const char* channel, const Message& message) const {
-    auto reading = fusion::from_wire(message);
-    if (reading) return reading;
-    bus.health().count(channel, "invalid");
-    return std::nullopt;
-  }
-
   void on_imu(const imu_t& message) {
-    if (const auto reading = checked(channels::kImu, message)) {
-      hint.add_turn_rate((*reading)->stamp, (*reading)->yaw_rate_radps);
-    }
+    const auto reading = fusion::from_wire(message);
+    if (!reading) return bus.health().count(channels::kImu, "invalid");
+    hint.add_turn_rate(reading->stamp, reading->yaw_rate_radps);
   }
 
   void on_wheels(const wheel_state_t& message) {
-    const auto reading = checked(channels::kWheelState, message);
-    if (reading && (*reading)->usable)
-      hint.add_way((*reading)->stamp, 0.5 * ((*reading)->left_m + (*reading)->right_m));
+    const auto reading = fusion::from_wire(message);
+    if (!reading) return bus.health().count(channels::kWheelState, "invalid");
+    if (reading->usable) hint.add_way(reading->stamp, 0.5 * (reading->left_m + reading->right_m));
   }
 
   /// The camera's step since the last pair, as wheels and gyro have it.

@@ -4,9 +4,8 @@
 
 #include <fmt/format.h>
 
-#include <sstream>
-
 #include "common/error.h"
+#include "common/split.h"
 
 namespace arpent::link {
 namespace {
@@ -15,8 +14,7 @@ namespace fs = std::filesystem;
 
 std::string peer_list(const std::string& peers) {
   std::string xml;
-  std::istringstream addresses(peers);
-  for (std::string address; std::getline(addresses, address, ',');) {
+  for (const std::string& address : split(peers, ',')) {
     if (!address.empty()) xml += fmt::format("<Peer address=\"{}\"/>", address);
   }
   return "<Peers>" + xml + "</Peers>";

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "common/config/fields.h"
+#include "link/types.h"
 
 namespace arpent::link {
 
@@ -67,7 +68,8 @@ struct StationParams {
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visitor) {
     visitor.field("station", self.station, "this station's name, the same as in its certificate",
-                  config::required_text(), plain_text("letters, digits, _ and -", "_-"), at_most_characters(31));
+                  config::required_text(), plain_text("letters, digits, _ and -", "_-"),
+                  at_most_characters(kMaxStationName));
     visitor.field("command_expiry_s", self.command_expiry_s, "a tour that may be older than this is not passed on",
                   config::between(0.1, 1000.0));
     visitor.field("silent_after_s", self.silent_after_s, "a station that was not heard for so long counts as silent",

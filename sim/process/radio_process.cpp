@@ -3,10 +3,10 @@
 #include "sim/process/radio_process.h"
 
 #include <algorithm>
-#include <sstream>
 #include <vector>
 
 #include "common/channels.h"
+#include "common/split.h"
 
 namespace arpent {
 namespace {
@@ -27,10 +27,8 @@ struct RadioProcess::State {
       : bus(process_bus),
         clock(process_clock),
         radio(config.radio, static_cast<std::uint64_t>(config.seed)),
-        centre(config.centre) {
-    std::istringstream names(config.robots);
-    for (std::string name; std::getline(names, name, ',');) robots.push_back(name);
-  }
+        centre(config.centre),
+        robots(split(config.robots, ',')) {}
 
   /// What `sender` says on `sent`, the others hear on `received`.
   void carry(const std::string& sender, const char* sent, const char* received, bool reliable,

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <map>
 #include <optional>
-#include <sstream>
 #include <vector>
 
 #include "common/bus/typed.h"
@@ -16,6 +15,7 @@
 #include "common/config/robot.h"
 #include "common/ellipse.h"
 #include "common/error.h"
+#include "common/split.h"
 #include "drivers/base/agilex_chassis.h"
 #include "drivers/can/process/open_can_port.h"
 #include "sim/camera/depth_sensor.h"
@@ -114,8 +114,7 @@ struct SimProcess::State {
   }
 
   void listen_to_teammates() {
-    std::istringstream names(config.teammates);
-    for (std::string name; std::getline(names, name, ',');) {
+    for (const std::string& name : split(config.teammates, ',')) {
       subscribe<pose_t>(bus, name + "/" + channels::kTruthPose, {.queue_capacity = 4}, [this, name](const pose_t& m) {
         const double* q = m.orientation_wxyz;
         const auto T = make_pose(Eigen::Map<const Eigen::Vector3d>(m.position_m), {q[0], q[1], q[2], q[3]});

@@ -10,9 +10,9 @@
 #include <opencv2/imgcodecs.hpp>
 #include <regex>
 #include <set>
-#include <sstream>
 
 #include "common/error.h"
+#include "common/split.h"
 
 namespace arpent::tools {
 namespace {
@@ -44,16 +44,15 @@ std::vector<Row> read_csv(const fs::path& file) {
   std::ifstream in(file);
   std::string line;
   if (!std::getline(in, line)) throw InputError(file.string() + ": is empty or cannot be read");
-  const auto split = [](const std::string& text) {
+  const auto cells_of = [](const std::string& text) {
     std::vector<std::string> cells;
-    std::istringstream row(text.starts_with("#") ? text.substr(1) : text);
-    for (std::string cell; std::getline(row, cell, ',');) {
+    for (std::string& cell : split(text.starts_with("#") ? text.substr(1) : text, ',')) {
       cell.erase(std::remove_if(cell.begin(), cell.end(), [](unsigned char c) { return std::isspace(c); }), cell.end());
       cells.push_back(cell);
     }
     return cells;
   };
-  const auto names = split(line);
+  const auto names = cells_of(line);
   for (const char* needed : {"kp_x", "kp_y", "p_x", "p_y", "p_z"}) {
     if (std::find(names.begin(), names.end(), needed) == names.end()) {
       throw InputError(fmt::format("{}: has no column {}", file.string(), needed));
@@ -62,7 +61,7 @@ std::vector<Row> read_csv(const fs::path& file) {
   std::vector<Row> rows;
   for (int number = 2; std::getline(in, line); ++number) {
     if (line.empty()) continue;
-    const auto cells = split(line);
+    const auto cells = cells_of(line);
     Row row;
     for (std::size_t i = 0; i < std::min(names.size(), cells.size()); ++i) {
       try {

@@ -6,9 +6,9 @@
 #include <algorithm>
 #include <fstream>
 #include <map>
-#include <sstream>
 
 #include "common/error.h"
+#include "common/split.h"
 #include "tools/datasets/dataset.h"
 
 namespace arpent::tools {
@@ -29,8 +29,7 @@ std::vector<std::vector<std::string>> read_csv(const fs::path& file) {
     if (!line.empty() && line.back() == '\r') line.pop_back();
     if (line.empty() || line[0] == '#') continue;
     std::vector<std::string> cells;
-    std::istringstream stream(line);
-    for (std::string cell; std::getline(stream, cell, ',');) {
+    for (const std::string& cell : split(line, ',')) {
       const auto start = cell.find_first_not_of(' ');
       cells.push_back(start == std::string::npos ? "" : cell.substr(start));
     }

@@ -7,6 +7,7 @@
 
 #include "common/config/robot.h"
 #include "common/error.h"
+#include "common/split.h"
 #include "sim/world/world.h"
 
 namespace arpent::tools {
@@ -141,8 +142,7 @@ MissionSpec spec_of_robot(const MissionSpec& team, int robot) {
 std::vector<Death> deaths(const MissionSpec& spec) {
   const std::vector<std::string> names = robot_names(spec);
   std::vector<Death> deaths;
-  std::istringstream list(spec.kill);
-  for (std::string item; std::getline(list, item, ',');) {
+  for (const std::string& item : split(spec.kill, ',')) {
     const std::size_t at = item.find('@');
     Death death{item.substr(0, at), 0};
     const bool known = std::find(names.begin(), names.end(), death.robot) != names.end();

@@ -47,7 +47,7 @@ struct ViewpointParams {
   double unknown_reach_m = 0.5;
   double lattice_m = 0.25;
   int headings = 24;
-  double min_viewpoint_m2 = 0.3;
+  double min_viewpoint_m2 = 0.6;
   double least_piece_m = 2.0;
   double give_up_factor = 4.0;
 

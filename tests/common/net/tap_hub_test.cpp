@@ -91,8 +91,13 @@ TEST_F(TapHubTest, FramesTakeTheDelayAndAreCounted) {
     ASSERT_TRUE(receive(1));
     EXPECT_GE(Steady::now() - start, 50ms);
   }
-  EXPECT_EQ(hub_->traffic().frames - before.frames, 5);
-  EXPECT_EQ(hub_->traffic().bytes - before.bytes, static_cast<std::int64_t>(5 * kOnAir));
+  // The kernel may put a few short frames of its own (neighbour discovery) beside ours.
+  const auto others = hub_->traffic().frames - before.frames - 5;
+  const auto others_bytes = hub_->traffic().bytes - before.bytes - static_cast<std::int64_t>(5 * kOnAir);
+  EXPECT_GE(others, 0);
+  EXPECT_LE(others, 4);
+  EXPECT_GE(others_bytes, 60 * others);
+  EXPECT_LE(others_bytes, 120 * others);
 }
 
 TEST_F(TapHubTest, TheShareThatIsLostIsTheOneAskedFor) {

@@ -10,6 +10,7 @@ namespace arpent::link {
 namespace {
 
 constexpr std::size_t kRememberedStops = 64;
+constexpr std::size_t kRememberedCommands = 1024;  ///< more than a sender ever sends again
 /// A handshake that loses packets and still succeeds takes some seconds at 20 % loss.
 constexpr Duration kFirstPatience = std::chrono::seconds(6);
 constexpr Duration kLastPatience = std::chrono::seconds(240);
@@ -145,16 +146,17 @@ Taken Station::take(Time now, const Command& command) {
   Taken taken;
   Peer* peer = known(command.station, command.session, taken);
   if (peer == nullptr) return taken;
-  if (command.sequence <= peer->command) {
+  if (!peer->commands.insert(command.sequence).second) {
     taken.refused = "repeated";
     return taken;
   }
-  peer->command = command.sequence;
+  if (peer->commands.size() > kRememberedCommands) peer->commands.erase(peer->commands.begin());
   if (command.channel == Channel::kStop) {
     deliver_stop(*peer, command.stop, command.data, taken);
-  } else if (command.channel == Channel::kTour && late(now, command)) {
-    taken.refused = "late";
+  } else if (command.channel == Channel::kTour && (late(now, command) || command.sequence < peer->tour)) {
+    taken.refused = "late";  // or one that was sent again, after a newer one
   } else {
+    if (command.channel == Channel::kTour) peer->tour = command.sequence;
     taken.deliveries.push_back({command.channel, command.data});
   }
   return taken;

@@ -88,12 +88,13 @@ class Station {
     bool beating = false;
     bool silent = true;
     std::vector<std::string> hears = {};
-    std::map<Channel, Time> newest = {};  ///< its clock, by channel of the beat
-    std::uint32_t stop = 0;               ///< the last that was delivered
-    std::uint32_t command = 0;            ///< the last
-    std::uint32_t patch = 0;              ///< the last that was whole
-    std::uint32_t open_patch = 0;         ///< being put together
-    std::vector<Payload> collected = {};  ///< of it
+    std::map<Channel, Time> newest = {};    ///< its clock, by channel of the beat
+    std::uint32_t stop = 0;                 ///< the last that was delivered
+    std::set<std::uint32_t> commands = {};  ///< the newest that were taken
+    std::uint32_t tour = 0;                 ///< the last command that was one
+    std::uint32_t patch = 0;                ///< the last that was whole
+    std::uint32_t open_patch = 0;           ///< being put together
+    std::vector<Payload> collected = {};    ///< of it
   };
 
   /// nullptr if the message must not be used: `refused` says why.

@@ -82,6 +82,19 @@ TEST(LinkStation, ACommandThatComesTwiceCountsOnce) {
   EXPECT_EQ(centre.take(at(2), report).refused, "repeated");
 }
 
+TEST(LinkStation, WhatIsSentAgainMayComeAfterWhatIsNewerButAnOlderTourReplacesNoNewerOne) {
+  Station robot = station("R1"), centre = station("centre");
+  const Command first = robot.command(Channel::kReport, bytes("first"));
+  const Command second = robot.command(Channel::kReport, bytes("second"));
+  EXPECT_EQ(only(centre.take(at(1), second)), "second");
+  EXPECT_EQ(only(centre.take(at(1), first)), "first");
+  (void)centre.take(at(1), robot.beat(at(1)));
+  const Command old_tour = centre.command(Channel::kTour, bytes("old"));
+  const Command new_tour = centre.command(Channel::kTour, bytes("new"));
+  EXPECT_EQ(only(robot.take(at(1.1), new_tour)), "new");
+  EXPECT_EQ(robot.take(at(1.2), old_tour).refused, "late");
+}
+
 TEST(LinkStation, AnOlderStateAfterANewerIsDroppedAndASessionThatIsOverToo) {
   Station old_self = station("R1", 7), listener = station("R2");
   const Beat first = old_self.state(at(50), bytes("a")), second = old_self.state(at(50.1), bytes("b"));

@@ -133,7 +133,8 @@ struct TeamLinkProcess::State {
       const std::lock_guard lock(mutex);
       command = station.command(channel, bytes);
     }
-    if (!together()) history.add(command);
+    // A tour is soon too late, and the next one comes; a report is a fact.
+    if (channel == Channel::kReport && !together()) history.add(command);
     count_sent(name, bytes.size(), dds->write(command));
   }
 

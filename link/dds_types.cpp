@@ -27,13 +27,16 @@ Payload to_payload(const Sequence& sequence) {
 
 }  // namespace
 
-BorrowedBeat::BorrowedBeat(const Beat& message) {
+BorrowedBeat::BorrowedBeat(const Beat& message) : hears_(message.hears.size()) {
   set_name(sample.station, message.station);
   sample.channel = static_cast<std::uint8_t>(message.channel);
   sample.session = message.session;
   sample.stop = message.stop;
   sample.stopped = message.stopped;
   sample.clock_us = to_utime(message.clock);
+  for (std::size_t i = 0; i < hears_.size(); ++i) message.hears[i].copy(hears_[i].data(), kMaxStationName);
+  sample.hears._maximum = sample.hears._length = static_cast<std::uint32_t>(hears_.size());
+  sample.hears._buffer = reinterpret_cast<decltype(sample.hears._buffer)>(hears_.data());
   borrow(sample.stop_message, message.stop_message);
   borrow(sample.state, message.state);
 }
@@ -64,14 +67,17 @@ BorrowedCommand::BorrowedCommand(const Command& message) : heard_(message.heard.
 }
 
 Beat to_beat(const arpent_link_BeatSample& sample) {
-  return {.station = sample.station,
-          .channel = static_cast<Channel>(sample.channel),
-          .session = sample.session,
-          .stop = sample.stop,
-          .stopped = sample.stopped,
-          .clock = from_utime(sample.clock_us),
-          .stop_message = to_payload(sample.stop_message),
-          .state = to_payload(sample.state)};
+  Beat beat{.station = sample.station,
+            .channel = static_cast<Channel>(sample.channel),
+            .session = sample.session,
+            .stop = sample.stop,
+            .stopped = sample.stopped,
+            .clock = from_utime(sample.clock_us),
+            .hears = {},
+            .stop_message = to_payload(sample.stop_message),
+            .state = to_payload(sample.state)};
+  for (std::uint32_t i = 0; i < sample.hears._length; ++i) beat.hears.emplace_back(sample.hears._buffer[i]);
+  return beat;
 }
 
 Command to_command(const arpent_link_CommandSample& sample) {

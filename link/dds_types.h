@@ -4,6 +4,8 @@
 // Envelopes <-> the C structs that idlc makes of link_messages.idl.
 #pragma once
 
+#include <array>
+
 #include "link/types.h"
 #include "link_messages.h"
 
@@ -13,6 +15,9 @@ namespace arpent::link {
 struct BorrowedBeat {
   explicit BorrowedBeat(const Beat& message);
   arpent_link_BeatSample sample{};
+
+ private:
+  std::vector<std::array<char, kMaxStationName + 1>> hears_;
 };
 struct BorrowedPart {
   explicit BorrowedPart(const Part& message);

@@ -10,6 +10,12 @@ namespace arpent::link {
 namespace {
 
 constexpr std::size_t kRememberedStops = 64;
+constexpr std::size_t kRememberedCommands = 1024;  ///< more than a sender ever sends again
+/// A handshake that loses packets and still succeeds takes some seconds at 20 % loss.
+constexpr Duration kFirstPatience = std::chrono::seconds(6);
+constexpr Duration kLastPatience = std::chrono::seconds(240);
+/// Past the transport's lease a station that was heard must shake hands again.
+constexpr Duration kLease = std::chrono::seconds(70);
 
 Payload copy(std::span<const std::uint8_t> bytes) {
   return {bytes.begin(), bytes.end()};
@@ -23,12 +29,16 @@ Payload join(const std::vector<Payload>& pieces) {
 
 }  // namespace
 
-Station::Station(const StationParams& params, std::uint32_t session) : params_(params), session_(session) {
+Station::Station(const StationParams& params, std::uint32_t session)
+    : params_(params), session_(session), patience_(kFirstPatience) {
   config::check(params, "station");
 }
 
 Beat Station::beat(Time now) const {
   Beat beat{.station = params_.station, .session = session_, .stop = stops_, .stopped = stopped_, .clock = now};
+  for (const auto& [name, peer] : peers_) {
+    if (!peer.silent) beat.hears.push_back(name);
+  }
   if (stopped_) beat.stop_message = stop_message_;
   return beat;
 }
@@ -112,6 +122,8 @@ Taken Station::take(Time now, const Beat& beat) {
   peer->heard = now;
   peer->clock = peer->beating ? std::max(peer->clock, beat.clock) : beat.clock;
   peer->beating = true;
+  peer->hears = beat.hears;
+  met_.insert(beat.station);
   if (beat.stopped) deliver_stop(*peer, beat.stop, beat.stop_message, taken);
   if (beat.channel != Channel::kState) return taken;
   const auto [newest, first] = peer->newest.try_emplace(beat.channel, beat.clock);
@@ -134,16 +146,17 @@ Taken Station::take(Time now, const Command& command) {
   Taken taken;
   Peer* peer = known(command.station, command.session, taken);
   if (peer == nullptr) return taken;
-  if (command.sequence <= peer->command) {
+  if (!peer->commands.insert(command.sequence).second) {
     taken.refused = "repeated";
     return taken;
   }
-  peer->command = command.sequence;
+  if (peer->commands.size() > kRememberedCommands) peer->commands.erase(peer->commands.begin());
   if (command.channel == Channel::kStop) {
     deliver_stop(*peer, command.stop, command.data, taken);
-  } else if (command.channel == Channel::kTour && late(now, command)) {
-    taken.refused = "late";
+  } else if (command.channel == Channel::kTour && (late(now, command) || command.sequence < peer->tour)) {
+    taken.refused = "late";  // or one that was sent again, after a newer one
   } else {
+    if (command.channel == Channel::kTour) peer->tour = command.sequence;
     taken.deliveries.push_back({command.channel, command.data});
   }
   return taken;
@@ -173,6 +186,35 @@ Taken Station::take(const Part& part) {
   taken.deliveries.push_back({Channel::kPatch, join(peer->collected)});
   peer->collected.clear();
   return taken;
+}
+
+void Station::connected(Time now) {
+  met_.clear();
+  missing_since_ = now;
+}
+
+bool Station::misses_somebody(Time now) const {
+  const auto met = [&](const std::string& name) {
+    return name == params_.station || (met_.contains(name) && now - peers_.at(name).heard < kLease);
+  };
+  return met_.empty() || std::any_of(peers_.begin(), peers_.end(), [&](const auto& entry) {
+           const Peer& peer = entry.second;
+           return !peer.silent && !std::all_of(peer.hears.begin(), peer.hears.end(), met);
+         });
+}
+
+bool Station::should_reconnect(Time now) {
+  if (!misses_somebody(now)) {
+    missing_since_.reset();
+    patience_ = kFirstPatience;
+    return false;
+  }
+  if (!missing_since_) missing_since_ = now;
+  // Two stations that miss each other do not both start anew at once: up to half as long again, by the session.
+  if (now - *missing_since_ < patience_ + patience_ * (session_ % 16) / 32) return false;
+  missing_since_ = now;
+  patience_ = std::min(2 * patience_, kLastPatience);
+  return true;
 }
 
 std::vector<Station::Change> Station::changes(Time now) {

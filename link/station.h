@@ -69,6 +69,15 @@ class Station {
   /// Stations that have fallen silent or come back since the last call.
   [[nodiscard]] std::vector<Change> changes(Time now);
 
+  /// Nobody was heard since the transport was connected, or another station hears one that was not.
+  [[nodiscard]] bool misses_somebody(Time now) const;
+  /// The transport is connected anew from now on.
+  void connected(Time now);
+  /// Whether it should be: somebody was missed for a while. A lost packet can leave two ends of Cyclone's handshake in
+  /// disagreement for 100 s (docs/decisions/0006). True once for each attempt; the next takes twice as long, because
+  /// the other may as well be out of this station's reach.
+  [[nodiscard]] bool should_reconnect(Time now);
+
  private:
   /// One station as heard.
   struct Peer {
@@ -78,12 +87,14 @@ class Station {
     Time heard{};  ///< our clock
     bool beating = false;
     bool silent = true;
-    std::map<Channel, Time> newest = {};  ///< its clock, by channel of the beat
-    std::uint32_t stop = 0;               ///< the last that was delivered
-    std::uint32_t command = 0;            ///< the last
-    std::uint32_t patch = 0;              ///< the last that was whole
-    std::uint32_t open_patch = 0;         ///< being put together
-    std::vector<Payload> collected = {};  ///< of it
+    std::vector<std::string> hears = {};
+    std::map<Channel, Time> newest = {};    ///< its clock, by channel of the beat
+    std::uint32_t stop = 0;                 ///< the last that was delivered
+    std::set<std::uint32_t> commands = {};  ///< the newest that were taken
+    std::uint32_t tour = 0;                 ///< the last command that was one
+    std::uint32_t patch = 0;                ///< the last that was whole
+    std::uint32_t open_patch = 0;           ///< being put together
+    std::vector<Payload> collected = {};    ///< of it
   };
 
   /// nullptr if the message must not be used: `refused` says why.
@@ -100,6 +111,9 @@ class Station {
   Payload stop_message_;
   std::deque<Payload> delivered_stops_;  ///< our bus says them back to us
   std::map<std::string, Peer> peers_;
+  std::set<std::string> met_;  ///< heard since the transport was connected
+  std::optional<Time> missing_since_;
+  Duration patience_;
 };
 
 }  // namespace arpent::link

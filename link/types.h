@@ -25,10 +25,11 @@ struct Beat {
   std::string station;
   Channel channel = Channel::kBeat;  ///< kBeat: without a state
   std::uint32_t session = 0;
-  std::uint32_t stop = 0;     ///< counts the station's emergency stops
-  bool stopped = false;       ///< the last of them is still in force
-  Time clock{};               ///< the sender's own, at sending
-  Payload stop_message = {};  ///< while stopped
+  std::uint32_t stop = 0;               ///< counts the station's emergency stops
+  bool stopped = false;                 ///< the last of them is still in force
+  Time clock{};                         ///< the sender's own, at sending
+  std::vector<std::string> hears = {};  ///< the stations that the sender hears now
+  Payload stop_message = {};            ///< while stopped
   Payload state = {};
 };
 

@@ -3,10 +3,11 @@
 //
 // bench `link`: four robots' team_link_processes, security on, each in a network namespace of its own, over a hub with
 // 20 ms one way and 50 Mbit/s a station: patches of 10 kB, one a second and robot, beside poses at 20 Hz, from LCM bus
-// to LCM bus. In real time: about four minutes.
+// to LCM bus. In real time: about five minutes.
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
@@ -76,6 +77,17 @@ class Team {
     }
   }
 
+  /// The first robot's link is killed and started again: until poses go from and to everybody [s].
+  double rejoin_s() {
+    constexpr double kPatienceS = 60;
+    lab_.kill_link(0);
+    play(0.5, false);
+    const double start_s = now_s();
+    lab_.start_link(0);
+    while (now_s() < start_s + kPatienceS && poses.recovery_s(start_s, 0) > kPatienceS) play(0.1, false);
+    return std::min(poses.recovery_s(start_s, 0), kPatienceS);
+  }
+
   [[nodiscard]] TapHub& air() { return lab_.air(); }
 
   TrafficLog poses{kRobots};
@@ -139,6 +151,16 @@ void measure_cut(Report& report, Team& team) {
              "bar 100; patches of the cut, from and to the robot");
 }
 
+/// A robot's link is killed and started again.
+void measure_rejoin(Report& report, Team& team, int loss_percent, int times) {
+  team.air().set_loss(0.01 * loss_percent);
+  std::vector<double> rejoin_s;
+  for (int i = 0; i < times; ++i) rejoin_s.push_back(team.rejoin_s());
+  const std::string name = fmt::format("link.rejoin_s_loss{}", loss_percent);
+  report.add(name, median(rejoin_s), "s", fmt::format("median of {} restarts, slowest pair", times));
+  report.add(name + "_max", *std::max_element(rejoin_s.begin(), rejoin_s.end()), "s", "60: not within a minute");
+}
+
 /// Long patches on a narrow link: what control waits for there is the queue, so it shows the pace.
 void measure_bulk(Report& report, Team& team) {
   constexpr double kSendS = 20;
@@ -165,6 +187,8 @@ void measure(Report& report) {
     report.add("link.meet_s", now_s() - start_s, "s", "from the start of the processes, within 0.5 s");
     for (const int loss_percent : {5, 20}) measure_loss(report, team, loss_percent);
     measure_cut(report, team);
+    measure_rejoin(report, team, 2, 8);
+    measure_rejoin(report, team, 20, 8);
     report.add("link.corrupt", static_cast<double>(team.poses.bad() + team.patches.bad()), "1", "bar 0");
   }
   {

@@ -9,6 +9,7 @@
 #include "common/bus/typed.h"
 #include "common/channels.h"
 #include "link/dds_link.h"
+#include "link/sent_history.h"
 #include "link/station.h"
 
 namespace arpent {
@@ -49,10 +50,52 @@ struct TeamLinkProcess::State {
   std::mutex mutex;       ///< of the station: the bus' thread and the link's meet in it
   link::Station station;  // guarded by mutex
   Time last_beat{};
+  link::SentHistory history;
+  bool connected = false;
+  Time apart_at{};  ///< the last time that somebody was missed
   std::unique_ptr<link::DdsLink> dds;
 
   State(const Config& c, Bus& process_bus, Clock& process_clock)
-      : config(c), bus(process_bus), clock(process_clock), station(c.station, std::random_device{}()) {}
+      : config(c),
+        bus(process_bus),
+        clock(process_clock),
+        station(c.station, std::random_device{}()),
+        history(c.link.patch_history) {}
+
+  void connect() {
+    connected = false;
+    dds = std::make_unique<link::DdsLink>(
+        config.link, link::LinkEvents{[this](const link::Beat& m) { receive("radio_beat", m); },
+                                      [this](const link::Command& m) { receive("radio_command", m); },
+                                      [this](const link::Part& m) { receive("radio_patch", m); },
+                                      [this](const std::string& text) { bus.health().warn(text); }});
+  }
+
+  /// Nobody has been missed for long enough that commands reach everybody.
+  [[nodiscard]] bool together() const { return clock.now() - apart_at > std::chrono::seconds(1); }
+
+  void look_after_connection() {
+    const Time now = clock.now();
+    bool stuck = false;
+    {
+      const std::lock_guard lock(mutex);
+      if (!connected && dds->connected()) station.connected(now);
+      stuck = connected && station.should_reconnect(now);
+      if (!connected || station.misses_somebody(now)) apart_at = now;
+    }
+    connected = dds->connected();
+    if (together()) {
+      for (const link::Command& command : history.take_commands()) dds->write(command);
+    }
+    if (stuck) reconnect();
+  }
+
+  void reconnect() {
+    bus.health().count("radio", "reconnected");
+    dds.reset();
+    connect();
+    dds->queue(history.parts());
+  }
 
   [[nodiscard]] bool robot() const { return config.role == "robot"; }
 
@@ -90,6 +133,8 @@ struct TeamLinkProcess::State {
       const std::lock_guard lock(mutex);
       command = station.command(channel, bytes);
     }
+    // A tour is soon too late, and the next one comes; a report is a fact.
+    if (channel == Channel::kReport && !together()) history.add(command);
     count_sent(name, bytes.size(), dds->write(command));
   }
 
@@ -99,6 +144,7 @@ struct TeamLinkProcess::State {
       const std::lock_guard lock(mutex);
       parts = station.parts(bytes);
     }
+    history.add(parts);
     count_sent(channels::kMapPatch, bytes.size(), dds->queue(std::move(parts)));
   }
 
@@ -174,15 +220,12 @@ struct TeamLinkProcess::State {
 TeamLinkProcess::TeamLinkProcess(const Config& config, Bus& bus, Clock& clock)
     : state_(std::make_unique<State>(config, bus, clock)) {
   State* state = state_.get();
-  state->dds = std::make_unique<link::DdsLink>(
-      config.link, link::LinkEvents{[state](const link::Beat& m) { state->receive("radio_beat", m); },
-                                    [state](const link::Command& m) { state->receive("radio_command", m); },
-                                    [state](const link::Part& m) { state->receive("radio_patch", m); },
-                                    [state](const std::string& text) { state->bus.health().warn(text); }});
+  state->connect();
   state->subscribe_all();
   clock.every(from_seconds(1 / config.beat_hz), [state] {
     state->send_beat(true);
     state->look_for_silence();
+    state->look_after_connection();
   });
 }
 

@@ -4,10 +4,12 @@
 
 #include <gtest/gtest.h>
 
+#include <functional>
 #include <numeric>
 #include <random>
 
 #include "common/error.h"
+#include "link/sent_history.h"
 
 namespace arpent::link {
 namespace {
@@ -78,6 +80,19 @@ TEST(LinkStation, ACommandThatComesTwiceCountsOnce) {
   const Command report = robot.command(Channel::kReport, bytes("visited"));
   EXPECT_EQ(only(centre.take(at(1), report)), "visited");
   EXPECT_EQ(centre.take(at(2), report).refused, "repeated");
+}
+
+TEST(LinkStation, WhatIsSentAgainMayComeAfterWhatIsNewerButAnOlderTourReplacesNoNewerOne) {
+  Station robot = station("R1"), centre = station("centre");
+  const Command first = robot.command(Channel::kReport, bytes("first"));
+  const Command second = robot.command(Channel::kReport, bytes("second"));
+  EXPECT_EQ(only(centre.take(at(1), second)), "second");
+  EXPECT_EQ(only(centre.take(at(1), first)), "first");
+  (void)centre.take(at(1), robot.beat(at(1)));
+  const Command old_tour = centre.command(Channel::kTour, bytes("old"));
+  const Command new_tour = centre.command(Channel::kTour, bytes("new"));
+  EXPECT_EQ(only(robot.take(at(1.1), new_tour)), "new");
+  EXPECT_EQ(robot.take(at(1.2), old_tour).refused, "late");
 }
 
 TEST(LinkStation, AnOlderStateAfterANewerIsDroppedAndASessionThatIsOverToo) {
@@ -195,6 +210,71 @@ TEST(LinkStation, APatchFromTheHistoryOfASenderThatIsKnownComesOnce) {
   const auto first = robot.parts(ramp(10)), second = robot.parts(ramp(20));
   for (const auto& patch : {first, second}) EXPECT_EQ(other.take(patch[0]).deliveries.size(), 1U);
   for (const auto& patch : {first, second}) EXPECT_EQ(other.take(patch[0]).refused, "repeated");
+}
+
+/// Seconds until `station`, asked ten times a second from `from_s` on, wants to reconnect; `limit_s` if it does not.
+double reconnects_after(Station& station, double from_s, double limit_s, const std::function<void(double)>& each) {
+  for (double t = from_s; t < from_s + limit_s; t += 0.1) {
+    each(t);
+    (void)station.changes(at(t));
+    if (station.should_reconnect(at(t))) return t - from_s;
+  }
+  return limit_s;
+}
+
+TEST(LinkStation, AStationThatHearsNobodyReconnectsEverLessOften) {
+  Station robot = station("R1");
+  robot.connected(at(0));
+  const double first_s = reconnects_after(robot, 0, 100, [](double) {});
+  EXPECT_NEAR(first_s, 6, 0.5);
+  robot.connected(at(10));
+  EXPECT_NEAR(reconnects_after(robot, 10, 100, [](double) {}), 2 * first_s, 0.5);
+}
+
+TEST(LinkStation, AStationThatAnotherHearsAndThisOneDoesNotIsAReasonToReconnect) {
+  Station robot = station("R1"), other = station("R2"), centre = station("centre");
+  robot.connected(at(0));
+  // R2 hears the centre, R1 hears only R2.
+  const auto without_centre = [&](double t) {
+    (void)other.take(at(t), centre.beat(at(t)));
+    (void)other.changes(at(t));
+    (void)robot.take(at(t), other.beat(at(t)));
+  };
+  EXPECT_LT(reconnects_after(robot, 0, 20, without_centre), 10);
+  EXPECT_TRUE(robot.misses_somebody(at(20)));
+  const auto with_centre = [&](double t) {
+    without_centre(t);
+    (void)robot.take(at(t), centre.beat(at(t)));
+  };
+  robot.connected(at(20));
+  EXPECT_EQ(reconnects_after(robot, 20, 300, with_centre), 300);
+  EXPECT_FALSE(robot.misses_somebody(at(320)));
+}
+
+TEST(LinkStation, AStationThatIsSilentForEverybodyIsNoReasonToReconnect) {
+  Station robot = station("R1"), other = station("R2"), centre = station("centre");
+  robot.connected(at(0));
+  (void)robot.take(at(0), centre.beat(at(0)));
+  (void)other.take(at(0), centre.beat(at(0)));
+  EXPECT_EQ(reconnects_after(robot, 0, 300,
+                             [&](double t) {
+                               (void)other.changes(at(t));
+                               (void)robot.take(at(t), other.beat(at(t)));
+                             }),
+            300);
+}
+
+TEST(LinkSentHistory, KeepsTheNewestPartsAndGivesCommandsOnce) {
+  Station robot = station("R1");
+  SentHistory history(3);
+  history.add(robot.parts(ramp(10)));
+  history.add(robot.parts(ramp(3 * kPartBytes)));
+  const std::vector<Part> parts = history.parts();
+  ASSERT_EQ(parts.size(), 3U);
+  EXPECT_EQ(parts.front().sequence, 2U);
+  history.add(robot.command(Channel::kReport, bytes("visited")));
+  EXPECT_EQ(history.take_commands().size(), 1U);
+  EXPECT_TRUE(history.take_commands().empty());
 }
 
 TEST(LinkStation, ANamesakeIsRefused) {

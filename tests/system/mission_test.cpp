@@ -60,7 +60,7 @@ TEST_F(MissionTest, ALapIsDrivenOnItsOwnPoseAndItsLogReplaysByteForByte) {
   const ReplayResult replayed = run_lockstep(input, {});
   const LogComparison comparison = compare_with_log(input, replayed);
   EXPECT_GT(comparison.compared, 1000);
-  EXPECT_EQ(comparison.different, 0);
+  EXPECT_EQ(comparison.different + comparison.further, 0);
 }
 
 TEST_F(MissionTest, PerceptionMayBelieveInAnotherRigThanTheCamerasOfTheWorldHave) {
@@ -117,7 +117,7 @@ TEST_F(MissionTest, AnExplorationLeavesACertificateAndReplaysByteForByte) {
   const ReplayInput input = open_log(result.log, folder_ / "replay", "", {});
   const LogComparison comparison = compare_with_log(input, run_lockstep(input, {}));
   EXPECT_GT(comparison.compared, 500);
-  EXPECT_EQ(comparison.different, 0);
+  EXPECT_EQ(comparison.different + comparison.further, 0);
 }
 
 TEST(Missions, APresetIsASetOfParametersThatSettingsStillOverride) {

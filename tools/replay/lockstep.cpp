@@ -87,10 +87,9 @@ LogComparison compare_with_log(const ReplayInput& input, const ReplayResult& res
     }
     comparison.compared += static_cast<std::int64_t>(crcs.size());
     std::int64_t different = 0;
-    for (std::size_t i = 0; i < std::max(crcs.size(), ours.size()); ++i) {
-      different += i >= crcs.size() || i >= ours.size() || crcs[i] != ours[i] ? 1 : 0;
-    }
+    for (std::size_t i = 0; i < crcs.size(); ++i) different += i >= ours.size() || crcs[i] != ours[i] ? 1 : 0;
     comparison.different += different;
+    comparison.further += ours.size() > crcs.size() ? static_cast<std::int64_t>(ours.size() - crcs.size()) : 0;
     if (different > 0) comparison.different_by_channel[channel] = different;
   }
   return comparison;

@@ -117,7 +117,8 @@ struct ReplayDifference {
 /// Messages that the replay published against those of the same channels in the log.
 struct LogComparison {
   std::int64_t compared = 0;   ///< messages that the log has
-  std::int64_t different = 0;  ///< of them, those that the replay did not publish alike, and the replay's surplus
+  std::int64_t different = 0;  ///< of them, those that the replay did not publish alike
+  std::int64_t further = 0;    ///< published behind the last of the log: where a live process ended before its inputs
   std::map<std::string, std::int64_t> different_by_channel;
 };
 /// Only for the whole log; channels that the log has nothing of do not count, nor what was published after its end.

@@ -186,6 +186,7 @@ Summary summarise(const ReplayInput& input, const ReplayResult& result, const Re
   if (const LogComparison log = compare_with_log(input, result); whole && log.compared > 0) {
     std::string remark = fmt::format("{} of {} messages differ", log.different, log.compared);
     for (const auto& [channel, count] : log.different_by_channel) remark += fmt::format(", {} {}", count, channel);
+    if (log.further > 0) remark += fmt::format("; {} more behind the log's last", log.further);
     figures.push_back({"equal to the log", log.different == 0 ? "yes" : "no", remark});
   }
   if (live != nullptr) {

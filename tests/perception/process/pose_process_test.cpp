@@ -6,7 +6,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <limits>
+#include <random>
 
 #include "common/bus/lockstep.h"
 #include "common/bus/typed.h"
@@ -103,6 +105,12 @@ class PoseProcessTest : public testing::Test {
     for (const auto& r : drive.wheels) inject(r.stamp, channels::kWheelState, to_message(r));
     for (const auto& r : drive.odometry) inject(r.stamp + odometry_delay, channels::kOdometry, to_message(r));
   }
+  /// Those that count by the end: the wheels are 120 ms beyond them.
+  static std::size_t answered(const Drive& drive) {
+    const Time last = drive.wheels.back().stamp - milliseconds(120);
+    return static_cast<std::size_t>(std::count_if(drive.odometry.begin(), drive.odometry.end(),
+                                                  [&](const auto& reading) { return reading.stamp <= last; }));
+  }
   [[nodiscard]] const std::vector<std::pair<std::int64_t, FusedPose>>& poses() { return seen_[channels::kPose]; }
   [[nodiscard]] const std::vector<std::pair<std::int64_t, FusedPose>>& pair_poses() {
     return seen_[channels::kPairPose];
@@ -120,12 +128,12 @@ TEST_F(PoseProcessTest, EachWheelStateGivesAPoseAndEachOdometryAPairPose) {
   play(drive);
   executor_->run_until_idle();
   ASSERT_EQ(poses().size(), drive.wheels.size());
-  ASSERT_EQ(pair_poses().size(), drive.odometry.size());
+  ASSERT_EQ(pair_poses().size(), answered(drive));
   for (std::size_t i = 0; i < drive.wheels.size(); ++i) {
     ASSERT_EQ(poses()[i].first, static_cast<std::int64_t>(i));
     ASSERT_EQ(poses()[i].second.stamp, drive.wheels[i].stamp);
   }
-  for (std::size_t i = 0; i < drive.odometry.size(); ++i) {
+  for (std::size_t i = 0; i < pair_poses().size(); ++i) {
     ASSERT_EQ(pair_poses()[i].first, drive.odometry[i].sequence);
     ASSERT_EQ(pair_poses()[i].second.stamp, drive.odometry[i].stamp);
     ASSERT_EQ(pair_poses()[i].second.status, Status::kOk);
@@ -201,7 +209,38 @@ TEST_F(PoseProcessTest, AGyroThatComesLaterThanTheWheelsChangesNoByte) {
   EXPECT_EQ(bytes_, reference);
 }
 
-TEST_F(PoseProcessTest, PairPosesDoNotDependOnHowLateTheOdometryComes) {
+TEST_F(PoseProcessTest, NoByteDependsOnHowLateTheOdometryComesWithinItsTime) {
+  const Drive drive = fusion::make_drive({.duration_s = 8});
+  play(drive, Duration(0), milliseconds(21));
+  executor_->run_until_idle();
+  const auto reference = bytes_;
+  for (const int delay_ms : {47, 119}) {
+    start({});
+    play(drive, milliseconds(5), milliseconds(delay_ms));
+    executor_->run_until_idle();
+    EXPECT_EQ(bytes_, reference) << delay_ms;
+    EXPECT_EQ(health_->counter(channels::kOdometry, "late"), 0);
+  }
+}
+
+TEST_F(PoseProcessTest, WhatComesInAnyOrderAmongSendersGivesTheSameBytes) {
+  const Drive drive = fusion::make_drive({.duration_s = 8, .gyro_bias_radps = 0.02});
+  play(drive, Duration(0), milliseconds(50));
+  executor_->run_until_idle();
+  const auto reference = bytes_;
+  std::mt19937 random(5);
+  for (int trial = 0; trial < 5; ++trial) {
+    start({});
+    const auto some = [&](int most_ms) { return milliseconds(random() % static_cast<unsigned>(most_ms)); };
+    for (const auto& r : drive.gyro) inject(r.stamp + some(10), channels::kImu, to_message(r));
+    for (const auto& r : drive.wheels) inject(r.stamp + some(20), channels::kWheelState, to_message(r));
+    for (const auto& r : drive.odometry) inject(r.stamp + some(120), channels::kOdometry, to_message(r));
+    executor_->run_until_idle();
+    EXPECT_EQ(bytes_, reference) << trial;
+  }
+}
+
+TEST_F(PoseProcessTest, OdometryThatComesTooLateCountsAtOnceAndGivesTheSamePairPoses) {
   const Drive drive = fusion::make_drive({.duration_s = 8});
   play(drive, Duration(0), milliseconds(61));
   executor_->run_until_idle();
@@ -211,7 +250,17 @@ TEST_F(PoseProcessTest, PairPosesDoNotDependOnHowLateTheOdometryComes) {
     play(drive, Duration(0), milliseconds(delay_ms));
     executor_->run_until_idle();
     EXPECT_EQ(bytes_[channels::kPairPose], reference) << delay_ms;
+    EXPECT_GT(health_->counter(channels::kOdometry, "late"), 20);
   }
+}
+
+TEST_F(PoseProcessTest, WithoutWheelsEachOdometryIsAnsweredAtOnce) {
+  Drive drive = fusion::make_drive({.duration_s = 4});
+  drive.wheels.clear();
+  drive.gyro.clear();
+  play(drive);
+  executor_->run_until_idle();
+  EXPECT_EQ(pair_poses().size(), drive.odometry.size());
 }
 
 TEST_F(PoseProcessTest, ASilentGyroHoldsNothingUp) {
@@ -253,7 +302,7 @@ TEST_F(PoseProcessTest, ALostPairIsAnsweredToo) {
   const Drive drive = fusion::make_drive(p);
   play(drive);
   executor_->run_until_idle();
-  ASSERT_EQ(pair_poses().size(), drive.odometry.size());
+  ASSERT_EQ(pair_poses().size(), answered(drive));
   EXPECT_EQ(pair_poses().back().second.status, Status::kDeadReckoning);
   EXPECT_EQ(pair_poses().back().second.reason, "visual odometry: dark");
 }

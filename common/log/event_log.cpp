@@ -106,8 +106,9 @@ std::optional<LogEvent> LogReader::next() {
       ++damage_.places;
       damage_.bytes += static_cast<std::int64_t>(at - start);
     }
-    if (last_number_ >= 0 && event->number > last_number_ + 1 && event->number < last_number_ + kMaxGap) {
-      damage_.missing += event->number - last_number_ - 1;
+    if (last_number_ >= 0 && event->number > last_number_) {
+      const std::int64_t missing = event->number - last_number_ - 1;
+      if (missing < kMaxGap) damage_.missing += missing;
     }
     last_number_ = event->number;
     at_ = end;
@@ -132,7 +133,7 @@ void LogReader::seek(Time time) {
   for (std::uint64_t at = at_; const auto event = next(); at = at_) {
     if (event->time < time) continue;
     at_ = at;
-    last_number_ = event->number - 1;
+    last_number_ = std::max<std::int64_t>(event->number, 0) - 1;
     return;
   }
 }

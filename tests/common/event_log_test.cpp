@@ -9,6 +9,7 @@
 #include <csignal>
 #include <cstdlib>
 #include <fstream>
+#include <limits>
 
 #include "common/error.h"
 #include "common/log/damage_probe.h"
@@ -99,6 +100,29 @@ TEST_F(EventLogTest, SeekFindsTheFirstEventNotBeforeATime) {
   EXPECT_EQ(to_utime(reader.next()->time), 0);
   reader.seek(from_utime(999999));
   EXPECT_FALSE(reader.next());
+}
+
+TEST_F(EventLogTest, AbsurdEventNumbersAreReadAndCountNothingAsMissing) {
+  constexpr std::int64_t kLeast = std::numeric_limits<std::int64_t>::min(), kMost = ~kLeast;
+  write_small(6);
+  std::int64_t place = 0;
+  for (const std::int64_t number : {kLeast, kMost, std::int64_t{-1}, kMost, std::int64_t{0}, kLeast}) {
+    std::fstream file(file_, std::ios::in | std::ios::out | std::ios::binary);
+    file.seekp(place * 28 + 4 + [&] {
+      std::int64_t before = 0;
+      for (int i = 0; i < place; ++i) before += static_cast<std::int64_t>(payload(i).size()) + (i % 2 == 0 ? 1 : 11);
+      return before;
+    }());
+    for (int shift = 56; shift >= 0; shift -= 8) file.put(static_cast<char>(number >> shift));
+    ++place;
+  }
+  LogReader reader(file_);
+  for (int i = 0; i < 6; ++i) {
+    reader.seek(from_utime(1000 * i));
+    for (int k = i; k < 6; ++k) ASSERT_EQ(to_utime(reader.next()->time), 1000 * k);
+    EXPECT_FALSE(reader.next());
+    EXPECT_EQ(reader.damage().missing, 0);
+  }
 }
 
 TEST_F(EventLogTest, AFullDiskIsReportedAndWhatIsReportedIsReadable) {

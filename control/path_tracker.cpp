@@ -50,9 +50,9 @@ bool finite(const BaseState& s) {
          std::isfinite(s.twist.turn_rate_radps);
 }
 
-/// The reference over the horizon: at each step's begin speed and turn rate, and the heading it turns by.
+/// The reference over the horizon: at each step the speed at its begin and the path's curvature.
 struct Reference {
-  std::array<double, kSteps> speed_mps{}, turn_rate_radps{}, turn_rad{};
+  std::array<double, kSteps> speed_mps{}, curvature_1pm{};
 };
 
 Reference make_reference(const Path& path, double s, double speed_now, double max_acceleration) {
@@ -65,15 +65,17 @@ Reference make_reference(const Path& path, double s, double speed_now, double ma
     speed = std::min(speed, std::max(path.at(s + 0.5 * speed * kStepS).speed_mps, 0.0));
     const double next = std::min(s + speed * kStepS, path.length_m());
     r.speed_mps[k] = speed;
-    r.turn_rad[k] = path.at(next).heading_rad - here.heading_rad;
-    r.turn_rate_radps[k] = r.turn_rad[k] / kStepS;
+    r.curvature_1pm[k] = path.at(0.5 * (s + next)).curvature_1pm;
     s = next;
   }
   return r;
 }
 
 /// Errors of the whole horizon as an affine function of the inputs, and with them the quadratic program. `start`:
-/// errors now; `last`: the command before the first input.
+/// errors now; `last`: the command before the first input. Across and heading are those to the path's nearest point,
+/// which moves as the base does (de Luca, Oriolo, Samson, "Feedback control of a nonholonomic car-like robot", 1998):
+/// e' = v sin(heading), heading' = turn rate - curvature v. Were they taken to the moving reference,
+/// falling behind in a bend would seem to bring the base nearer to the path, and one that starts beside it would stand.
 Qp make_qp(const Reference& reference, const Errors& start, const Twist2& last, const TrackerParams& p) {
   const double keep = p.lag_s > 0 ? std::exp(-kStepS / p.lag_s) : 0.0;
   Qp qp;
@@ -83,28 +85,29 @@ Qp make_qp(const Reference& reference, const Errors& start, const Twist2& last, 
   Errors x = start;
   for (int k = 0; k < kSteps; ++k) {
     const auto at = static_cast<std::size_t>(k);
-    const double v = reference.speed_mps[at], w = reference.turn_rate_radps[at];
+    const double v = reference.speed_mps[at], w = v * reference.curvature_1pm[at];
     // Speeds follow their command with a lag; positions integrate the mean of both ends.
     Eigen::Matrix<double, kErrors, kErrors> A = Eigen::Matrix<double, kErrors, kErrors>::Identity();
     const double own = 0.5 * (1 + keep) * kStepS, of_input = 0.5 * (1 - keep) * kStepS;
-    A(0, 1) = w * kStepS;
+    const double bend = reference.curvature_1pm[at];
     A(0, 3) = own;
-    A(1, 0) = -w * kStepS;
     A(1, 2) = v * kStepS;
+    A(1, 3) = -0.5 * v * kStepS * bend * own;
     A(1, 4) = 0.5 * v * kStepS * own;
+    A(2, 3) = -bend * own;
     A(2, 4) = own;
     A(3, 3) = keep;
     A(4, 4) = keep;
     B = (A * B).eval();
     B(0, 2 * k) += of_input;
+    B(1, 2 * k) -= 0.5 * v * kStepS * bend * of_input;
     B(1, 2 * k + 1) += 0.5 * v * kStepS * of_input;
+    B(2, 2 * k) -= bend * of_input;
     B(2, 2 * k + 1) += of_input;
     B(3, 2 * k) += 1 - keep;
     B(4, 2 * k + 1) += 1 - keep;
     x = (A * x).eval();
     x(0) -= v * kStepS;
-    x(1) -= 0.5 * v * kStepS * reference.turn_rad[at];
-    x(2) -= reference.turn_rad[at];
     Errors wanted = Errors::Zero();
     wanted(3) = v;
     wanted(4) = w;
@@ -118,7 +121,7 @@ Qp make_qp(const Reference& reference, const Errors& start, const Twist2& last, 
   for (int i = 0; i < kInputs; ++i) {
     const bool turn = i % 2 == 1;
     const auto k = static_cast<std::size_t>(i / 2);
-    const double wanted = turn ? reference.turn_rate_radps[k] : reference.speed_mps[k];
+    const double wanted = reference.speed_mps[k] * (turn ? reference.curvature_1pm[k] : 1.0);
     const double weight = turn ? kTurnWeight : kSpeedWeight;
     qp.H(i, i) += weight;
     qp.f(i) -= weight * wanted;
@@ -245,7 +248,7 @@ struct PathTracker::State {
       return brake(now, std::move(output), "the solver did not converge");
     }
     plan = solution.x;
-    return give(now, std::move(output), {plan(0), plan(1)});
+    return give(now, std::move(output), {std::max(plan(0), 0.0), plan(1)});  // within what the solver is off by
   }
 };
 

@@ -96,6 +96,40 @@ TEST(PathTracker, AnOffsetIsSteeredOutWithoutOvershooting) {
   EXPECT_GT(lowest, -0.02);
 }
 
+/// Bends of up to 1.5 / m to either side, from a base that stands up to 0.4 m beside the begin and looks up to 20
+/// degrees aside.
+TEST(PathTracker, ABaseThatStandsBesideAnyBendDrivesOnAndNeverBackwards) {
+  const TrackerParams params;
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> unit(-1, 1);
+  for (int trial = 0; trial < 200; ++trial) {
+    const double bends_1pm[] = {1.5 * unit(random), 1.5 * unit(random), 0};
+    std::vector<Eigen::Vector2d> points;
+    Eigen::Vector2d at(0, 0);
+    double heading = 0;
+    for (int i = 0; i < 70; ++i) {
+      points.push_back(at);
+      heading += 0.05 * bends_1pm[std::min(i / 25, 2)];
+      at += 0.05 * Eigen::Vector2d(std::cos(heading), std::sin(heading));
+    }
+    PathTracker tracker(params);
+    tracker.follow(Path(points, params.limits), std::nullopt);
+    BaseState start;
+    start.p_map_m = {0.15 * unit(random), 0.4 * unit(random)};
+    start.yaw_rad = 0.34 * unit(random);
+    Plant plant({}, start);
+    TrackerOutput output;
+    while (output.mode != TrackerMode::kArrived && plant.state().stamp < start.stamp + std::chrono::seconds(20)) {
+      output = tracker.step(plant.state().stamp, plant.state());
+      ASSERT_NE(output.mode, TrackerMode::kBrake) << trial << ": " << output.reason;
+      ASSERT_GE(output.command.speed_mps, 0) << trial;
+      plant.move(output.command, kPeriodS);
+    }
+    ASSERT_EQ(output.mode, TrackerMode::kArrived) << trial;
+    ASSERT_LT((plant.state().p_map_m - points.back()).norm(), 0.05) << trial;
+  }
+}
+
 TEST(PathTracker, AStaleOrImpossiblePoseBrakesInTheSameCycleAtTheLimit) {
   const TrackerParams params;
   const double nan = std::numeric_limits<double>::quiet_NaN();

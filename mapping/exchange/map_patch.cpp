@@ -65,6 +65,11 @@ bool PatchLedger::add(const std::string& source, std::int64_t sequence) {
   return true;
 }
 
+std::int64_t PatchLedger::all_below(const std::string& source) const {
+  const auto found = sources_.find(source);
+  return found == sources_.end() ? 0 : found->second.all_below;
+}
+
 std::vector<std::int64_t> PatchLedger::missing(const std::string& source) const {
   std::vector<std::int64_t> missing;
   const auto found = sources_.find(source);

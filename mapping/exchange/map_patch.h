@@ -41,6 +41,8 @@ class PatchLedger {
  public:
   /// False if it was there before.
   bool add(const std::string& source, std::int64_t sequence);
+  /// Every sequence below it came.
+  [[nodiscard]] std::int64_t all_below(const std::string& source) const;
   /// Sequences below the newest that did not come (yet).
   [[nodiscard]] std::vector<std::int64_t> missing(const std::string& source) const;
 

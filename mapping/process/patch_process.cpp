@@ -3,7 +3,10 @@
 #include "mapping/process/patch_process.h"
 
 #include <algorithm>
+#include <arpent/tour_t.hpp>
 #include <cmath>
+#include <deque>
+#include <utility>
 
 #include "common/bus/typed.h"
 #include "common/channels.h"
@@ -19,20 +22,32 @@ namespace {
 
 /// Depth that falls this far behind the newest depth without its pose is passed over.
 constexpr Duration kHorizon = std::chrono::seconds(10);
+/// With each tour: some 40 kB/s.
+constexpr int kMostSentAgain = 10;
+constexpr std::size_t kMostKept = 10000;  ///< samples, of 8 kB at most
 
 }  // namespace
 
 struct PatchProcess::State {
+  /// A sample of which it is not known that the centre has it.
+  struct Sent {
+    map_patch_t message;
+    Time at;  ///< the last time
+  };
+
   Config config;
   Bus& bus;
+  Clock& clock;
   Pose T_body_cam;
   mapping::PatchBuilder builder;
   mapping::TeammatePoses teammates;
+  std::deque<Sent> sent;
   TimeJoin<stereo::StampedDepth, fusion::FusedPose> join{kHorizon};
 
-  State(const Config& c, Bus& process_bus)
+  State(const Config& c, Bus& process_bus, Clock& process_clock)
       : config(c),
         bus(process_bus),
+        clock(process_clock),
         T_body_cam(stereo::Rectifier(load_rig(c.rig).calibration).T_body_rectified()),
         builder(c.patch, c.tsdf, c.source, c.map_frame) {}
 
@@ -81,18 +96,40 @@ struct PatchProcess::State {
     const double position_sigma_m = std::sqrt(std::max(at.covariance(0, 0), at.covariance(1, 1)));
     const mapping::PosedDepth image{
         stamp, depth, T_map_cam, to_pose2(at.T_frame_body), position_sigma_m, std::sqrt(at.covariance(5, 5))};
-    for (const mapping::MapPatch& patch : builder.add(image)) publish(bus, channels::kMapPatch, to_wire(patch));
+    for (const mapping::MapPatch& patch : builder.add(image)) send(to_wire(patch));
+  }
+
+  void send(map_patch_t message) {
+    publish(bus, channels::kMapPatch, message);
+    sent.push_back({std::move(message), clock.now()});
+    if (sent.size() > kMostKept) sent.pop_front();
+  }
+
+  /// The centre says in its tours what it has.
+  void take_tour(const tour_t& message) {
+    if (message.robot != config.source) return;
+    while (!sent.empty() && sent.front().message.sample < message.samples_below) sent.pop_front();
+    int again = 0;
+    for (Sent& patch : sent) {
+      if (clock.now() - patch.at < from_seconds(config.send_again_s)) continue;
+      if (++again > kMostSentAgain) return;
+      publish(bus, channels::kMapPatch, patch.message);
+      patch.at = clock.now();
+      bus.health().count(channels::kMapPatch, "sent_again");
+    }
   }
 };
 
-PatchProcess::PatchProcess(const Config& config, Bus& bus, Clock& /*clock*/)
-    : state_(std::make_unique<State>(config, bus)) {
+PatchProcess::PatchProcess(const Config& config, Bus& bus, Clock& clock)
+    : state_(std::make_unique<State>(config, bus, clock)) {
   const SubscriptionOptions depth{.queue_capacity = 32, .latency = Duration(config.latency_us)};
   subscribe<depth_t>(bus, channels::kDepth, depth, [this](const depth_t& m) { state_->take_depth(m); });
   subscribe<body_pose_t>(bus, channels::kPairPose, {.queue_capacity = 128},
                          [this](const body_pose_t& m) { state_->take_pose(m); });
   subscribe<robot_state_t>(bus, channels::kTeamState, {.queue_capacity = 64},
                            [this](const robot_state_t& m) { state_->take_teammate(m); });
+  subscribe<tour_t>(bus, channels::kTeamTour, {.queue_capacity = 16},
+                    [this](const tour_t& m) { state_->take_tour(m); });
 }
 
 PatchProcess::~PatchProcess() = default;

@@ -2,7 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
 // patch_process: a robot's depth images into map patches for its team. Each image is joined with the pose of its pair;
-// teammates in view are masked out first.
+// teammates in view are masked out first. What the centre has not had is sent again: the radio loses little, but a
+// centre that ends and starts again has missed what came in between.
 #pragma once
 
 #include <filesystem>
@@ -23,6 +24,7 @@ struct PatchConfig {
   mapping::TsdfParams tsdf;
   mapping::PatchParams patch;
   mapping::TeammateMaskParams mask;
+  double send_again_s = 10;
   int latency_us = 60000;
 
   template <class Self, class Visitor>
@@ -34,6 +36,8 @@ struct PatchConfig {
     visitor.group("tsdf", self.tsdf, "the lattice, the same for all of the team");
     visitor.group("patch", self.patch, "what makes a patch");
     visitor.group("mask", self.mask, "what teammates cover");
+    visitor.field("send_again_s", self.send_again_s, "a patch that the centre has not had after so long is sent again",
+                  config::greater_than(0.0));
     visitor.field("latency_us", self.latency_us, "declared time from depth to patch", config::at_least(0));
   }
 };

@@ -14,6 +14,9 @@
 namespace arpent::planning {
 namespace {
 
+/// A body in the map is up to a voxel larger than it is.
+constexpr double kBodyMarginM = 0.15;
+
 using mapping::kBlockSide;
 
 constexpr int kTileCells = 16;
@@ -36,7 +39,16 @@ GroundGrid::GroundGrid(const GroundGridParams& params) : params_(params) {
 void GroundGrid::declare_free(const Eigen::Vector2d& centre_m, double radius_m) {
   ARPENT_ASSERT(centre_m.allFinite() && radius_m > 0 && radius_m < kMaxSideM);
   discs_.push_back({centre_m, radius_m});
-  const Eigen::Vector2d reach = Eigen::Vector2d::Constant(radius_m);
+  judge_around(centre_m, radius_m);
+}
+
+void GroundGrid::declare_body(const Footprint& footprint, const Pose2& pose) {
+  bodies_.push_back({footprint, pose});
+  judge_around(pose.position_m(), footprint.long_m() + kBodyMarginM);
+}
+
+void GroundGrid::judge_around(const Eigen::Vector2d& centre_m, double reach_m) {
+  const Eigen::Vector2d reach = Eigen::Vector2d::Constant(reach_m);
   cover_cells({centre_m - reach, centre_m + reach});
   ++revision_;
   (void)judge({frame_.cell_of(centre_m - reach), frame_.cell_of(centre_m + reach)});
@@ -197,6 +209,9 @@ std::size_t GroundGrid::judge(const Box& cells) {
 }
 
 CellState GroundGrid::judge(const Eigen::Vector2d& p_m) const {
+  const bool body = std::any_of(bodies_.begin(), bodies_.end(),
+                                [&](const Body& b) { return b.footprint.contains(b.pose, p_m, kBodyMarginM); });
+  if (body) return CellState::kFree;
   const bool declared = std::any_of(discs_.begin(), discs_.end(), [&](const Disc& disc) {
     return (disc.centre_m - p_m).squaredNorm() <= disc.radius_m * disc.radius_m;
   });

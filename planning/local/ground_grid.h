@@ -15,6 +15,7 @@
 
 #include "common/config/fields.h"
 #include "mapping/tsdf/tsdf_map.h"
+#include "planning/local/footprint.h"
 #include "planning/local/grid_frame.h"
 
 namespace arpent::planning {
@@ -48,6 +49,10 @@ class GroundGrid {
   /// Table 5.3 is silent; a mission's start clearance).
   void declare_free(const Eigen::Vector2d& centre_m, double radius_m);
 
+  /// Declares free where a robot stands, whatever the map says: others that saw it before it joined them took it for
+  /// surface.
+  void declare_body(const Footprint& footprint, const Pose2& pose);
+
   /// Takes over what changed in the map since the last call (all of it the first time, or if the map's revision went
   /// back). A column of voxels is free if all its voxels in the band (centres from one voxel above the floor up to
   /// the robot's height) are known and empty. Returns the number of cells whose state changed. Throws InputError if no
@@ -74,12 +79,17 @@ class GroundGrid {
     Eigen::Vector2d centre_m;
     double radius_m;
   };
+  struct Body {
+    Footprint footprint;
+    Pose2 pose;
+  };
   struct Box {
     Eigen::Vector2i least, most;  ///< both within
   };
 
   void forget();
   void cover(const Box& columns);
+  void judge_around(const Eigen::Vector2d& centre_m, double reach_m);
   void cover_cells(const GroundBox& box);
   void read_columns(const mapping::TsdfMap& map, const Eigen::Vector2i& block);
   std::size_t judge(const Box& cells);
@@ -91,6 +101,7 @@ class GroundGrid {
 
   GroundGridParams params_;
   std::vector<Disc> discs_;
+  std::vector<Body> bodies_;
   double voxel_m_ = 0;  ///< 0 before the first update
   int first_layer_ = 1, last_layer_ = 0;
   std::int64_t map_revision_ = -1;

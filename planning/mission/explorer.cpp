@@ -418,6 +418,7 @@ Explorer::~Explorer() = default;
 
 void Explorer::begin(const Pose2& start) {
   state_->grid.declare_free(start.position_m(), state_->params.start_clearance_m);
+  if (state_->params.led) state_->grid.declare_body(Footprint(state_->params.footprint), start);
 }
 
 void Explorer::integrate(const stereo::DepthMap& depth, const Pose& T_map_cam, const Pose2& body) {

@@ -2,12 +2,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "planning/process/centre_process.h"
 
+#include <memory>
+#include <string>
+
 #include "common/bus/typed.h"
 #include "common/channels.h"
 #include "common/config/rig.h"
 #include "mapping/tsdf/map_file.h"
 #include "mapping/wire.h"
 #include "perception/stereo/rectifier.h"
+#include "planning/process/centre_journal.h"
 #include "planning/team/wire.h"
 #include "planning/viewpoints/level_camera.h"
 
@@ -30,36 +34,84 @@ struct CentreProcess::State {
   Clock& clock;
   planning::Centre centre;
 
+  std::unique_ptr<CentreJournal> journal;
+
   State(const Config& c, Bus& process_bus, Clock& process_clock)
-      : config(c), bus(process_bus), clock(process_clock), centre(c.centre, camera_of(c)) {}
+      : config(c), bus(process_bus), clock(process_clock), centre(c.centre, camera_of(c)) {
+    if (!config.journal_file.empty()) {
+      journal = std::make_unique<CentreJournal>(
+          config.journal_file,
+          [this](Time time, const std::string& channel, BytesView bytes) { recall(time, channel, bytes); });
+    }
+  }
 
-  void refuse(const char* channel, const std::string& fault) const {
+  void refuse(const std::string& channel, const std::string& fault) const {
     bus.health().count(channel, "invalid");
-    bus.health().warn(std::string(channel) + ": message dropped: " + fault);
+    bus.health().warn(channel + ": message dropped: " + fault);
   }
 
-  void take(const map_patch_t& message) {
+  /// False if it was refused.
+  bool take(const map_patch_t& message, Time) {
     const auto patch = mapping::from_wire(message);
-    if (!patch) return refuse(channels::kTeamPatch, patch.fault());
-    const auto fused = centre.take(*patch);
+    const auto fused = patch ? centre.take(*patch) : Fault{patch.fault()};
     if (!fused) refuse(channels::kTeamPatch, fused.fault());
+    return static_cast<bool>(fused);
   }
 
-  void take(const robot_state_t& message) {
+  bool take(const robot_state_t& message, Time now) {
     const auto state = planning::from_wire(message);
-    if (!state) return refuse(channels::kTeamState, state.fault());
-    centre.take(*state, clock.now());
+    if (state) centre.take(*state, now);
+    if (!state) refuse(channels::kTeamState, state.fault());
+    return static_cast<bool>(state);
   }
 
-  void take(const tour_report_t& message) {
+  bool take(const tour_report_t& message, Time now) {
     const auto report = planning::from_wire(message);
-    if (!report) return refuse(channels::kTeamReport, report.fault());
-    centre.take(*report, clock.now());
+    if (report) centre.take(*report, now);
+    if (!report) refuse(channels::kTeamReport, report.fault());
+    return static_cast<bool>(report);
+  }
+
+  bool take(const tour_t& message, Time) {
+    const auto tour = planning::from_wire(message);
+    if (tour) centre.recall(*tour);
+    if (!tour) refuse(channels::kTour, tour.fault());
+    return static_cast<bool>(tour);
+  }
+
+  /// What the journal holds.
+  void recall(Time time, const std::string& channel, BytesView bytes) {
+    const auto decoded = [&](auto message) {
+      std::string fault;
+      if (decode_guarded(bytes, message, fault) ? take(message, time) : (refuse(channel, fault), false)) {
+        bus.health().count(channel, "recalled");
+      }
+    };
+    if (channel == channels::kTeamPatch) decoded(map_patch_t{});
+    if (channel == channels::kTeamState) decoded(robot_state_t{});
+    if (channel == channels::kTeamReport) decoded(tour_report_t{});
+    if (channel == channels::kTour) decoded(tour_t{});
+  }
+
+  template <class Message>
+  void receive(const char* channel, const Message& message) {
+    if (take(message, clock.now()) && journal) journal->note(clock.now(), channel, encode(message));
+  }
+  void receive_state(const robot_state_t& message) {
+    if (!take(message, clock.now()) || !journal) return;
+    journal->note_sometimes(clock.now(), channels::kTeamState, message.robot, encode(message));
   }
 
   void step() {
     for (const planning::TeamTour& tour : centre.step(clock.now())) {
-      publish(bus, channels::kTour, planning::to_wire(tour));
+      const tour_t message = planning::to_wire(tour);
+      if (journal) journal->note(clock.now(), channels::kTour, encode(message));
+      publish(bus, channels::kTour, message);
+    }
+    if (journal && !journal->keep(clock.now())) {
+      journal.reset();
+      bus.health().warn("the disk refuses the journal " + config.journal_file.string() +
+                        ": a centre that is started again would begin with an empty map");
     }
   }
 };
@@ -67,11 +119,11 @@ struct CentreProcess::State {
 CentreProcess::CentreProcess(const Config& config, Bus& bus, Clock& clock)
     : state_(std::make_unique<State>(config, bus, clock)) {
   subscribe<map_patch_t>(bus, channels::kTeamPatch, {.queue_capacity = 1000, .latency = Duration(config.latency_us)},
-                         [this](const map_patch_t& m) { state_->take(m); });
+                         [this](const map_patch_t& m) { state_->receive(channels::kTeamPatch, m); });
   subscribe<robot_state_t>(bus, channels::kTeamState, {.queue_capacity = 64},
-                           [this](const robot_state_t& m) { state_->take(m); });
+                           [this](const robot_state_t& m) { state_->receive_state(m); });
   subscribe<tour_report_t>(bus, channels::kTeamReport, {.queue_capacity = 64},
-                           [this](const tour_report_t& m) { state_->take(m); });
+                           [this](const tour_report_t& m) { state_->receive(channels::kTeamReport, m); });
   clock.every(kCycle, [this] { state_->step(); });
 }
 

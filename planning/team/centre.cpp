@@ -129,7 +129,10 @@ struct Centre::State {
     if (member.begun && state.stamp <= member.state.stamp) return;
     member.state = state;
     member.heard_at = now;
-    if (!member.begun) grid.declare_free(state.body.position_m(), params.start_clearance_m);
+    if (!member.begun) {
+      grid.declare_free(state.body.position_m(), params.start_clearance_m);
+      grid.declare_body(body, state.body);
+    }
     member.begun = true;
     if (state.state == MissionState::kRunning && !first_running) first_running = now;
   }
@@ -279,11 +282,17 @@ struct Centre::State {
     tour.robot = member.state.robot;
     tour.state_stamp = member.state.stamp;
     tour.valid_s = params.valid_s;
+    tour.samples_below = ledger.all_below(tour.robot);
     tour.done = status.done;
     if (committed) tour.viewpoints.push_back(*committed);
     for (const Viewpoint& viewpoint : given) {
       if (static_cast<int>(tour.viewpoints.size()) < params.most_viewpoints) tour.viewpoints.push_back(viewpoint);
     }
+    remember(tour, member);
+    due.emplace_back(now + from_seconds(params.plan_latency_s), std::move(tour));
+  }
+
+  void remember(const TeamTour& tour, Member& member) {
     for (const Viewpoint& viewpoint : tour.viewpoints) {
       std::erase_if(remembered, [&](const Viewpoint& v) { return same_goal(v.pose, viewpoint.pose); });
       remembered.push_back(viewpoint);
@@ -291,7 +300,12 @@ struct Centre::State {
     while (remembered.size() > kRemembered) remembered.pop_front();
     member.sent = tour.number;
     member.sent_viewpoints = tour.viewpoints.size();
-    due.emplace_back(now + from_seconds(params.plan_latency_s), std::move(tour));
+  }
+
+  void recall(const TeamTour& tour) {
+    number = std::max(number, tour.number);
+    status.done = status.done || tour.done;
+    remember(tour, members[tour.robot]);
   }
 
   std::vector<TeamTour> take_due(Time now) {
@@ -319,6 +333,9 @@ void Centre::take(const RobotState& state, Time now) {
 }
 void Centre::take(const TourReport& report, Time now) {
   state_->take(report, now);
+}
+void Centre::recall(const TeamTour& tour) {
+  state_->recall(tour);
 }
 std::vector<TeamTour> Centre::step(Time now) {
   return state_->step(now);

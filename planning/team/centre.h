@@ -99,6 +99,9 @@ class Centre {
   void take(const RobotState& state, Time now);
   void take(const TourReport& report, Time now);
 
+  /// A tour that a centre before this one has sent: what reports speak of, and which number comes next.
+  void recall(const TeamTour& tour);
+
   /// The tours that are due. Called ten times a second.
   [[nodiscard]] std::vector<TeamTour> step(Time now);
 

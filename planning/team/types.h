@@ -37,7 +37,8 @@ struct TeamTour {
   std::string robot;
   Time state_stamp;  ///< of the robot's newest state that it was planned from
   double valid_s = 3;
-  bool done = false;  ///< nothing is left that the team could complete
+  std::int64_t samples_below = 0;  ///< all of the robot's patches below this sequence have come
+  bool done = false;               ///< nothing is left that the team could complete
   std::vector<Viewpoint> viewpoints;
 };
 

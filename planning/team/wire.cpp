@@ -122,6 +122,7 @@ tour_t to_wire(const TeamTour& tour) {
   message.robot = tour.robot;
   message.state_utime = to_utime(tour.state_stamp);
   message.valid_s = tour.valid_s;
+  message.samples_below = tour.samples_below;
   message.done = tour.done ? 1 : 0;
   for (const Viewpoint& viewpoint : tour.viewpoints) message.viewpoints.push_back(to_wire(viewpoint));
   message.count = static_cast<std::int32_t>(message.viewpoints.size());
@@ -142,6 +143,7 @@ Result<TeamTour> from_wire(const tour_t& message) {
   tour.robot = message.robot;
   tour.state_stamp = from_utime(message.state_utime);
   tour.valid_s = message.valid_s;
+  tour.samples_below = message.samples_below;
   tour.done = message.done != 0;
   return tour;
 }

@@ -3,6 +3,10 @@
 #include "sim/process/radio_process.h"
 
 #include <algorithm>
+#include <deque>
+#include <map>
+#include <memory>
+#include <set>
 #include <vector>
 
 #include "common/channels.h"
@@ -13,6 +17,7 @@ namespace {
 
 /// Deliveries are looked for so often: the radio's resolution.
 constexpr Duration kCycle = std::chrono::milliseconds(5);
+constexpr std::size_t kPatchHistory = 4096;
 
 }  // namespace
 
@@ -22,6 +27,9 @@ struct RadioProcess::State {
   sim::Radio radio;
   std::string centre;
   std::vector<std::string> robots;
+  /// Patches are transient-local: a station that joins gets those of before.
+  std::map<std::string, std::deque<sim::RadioBytes>> patches;
+  std::set<std::string> present;
 
   State(const Config& config, Bus& process_bus, Clock& process_clock)
       : bus(process_bus),
@@ -34,9 +42,19 @@ struct RadioProcess::State {
   void carry(const std::string& sender, const char* sent, const char* received, bool reliable,
              const std::vector<std::string>& receivers) {
     bus.subscribe_bytes(sender + "/" + sent, {.queue_capacity = 256}, [=, this](BytesView bytes) {
-      radio.send(clock.now(), sender, received, receivers, reliable,
-                 std::make_shared<const Bytes>(bytes.begin(), bytes.end()));
+      const auto message = std::make_shared<const Bytes>(bytes.begin(), bytes.end());
+      if (present.insert(sender).second) welcome(sender);
+      radio.send(clock.now(), sender, received, receivers, reliable, message);
+      if (received != channels::kTeamPatch) return;
+      patches[sender].push_back(message);
+      if (patches[sender].size() > kPatchHistory) patches[sender].pop_front();
     });
+  }
+
+  void welcome(const std::string& joined) {
+    for (const auto& [sender, sent] : patches) {
+      for (const auto& message : sent) radio.send(clock.now(), sender, channels::kTeamPatch, {joined}, true, message);
+    }
   }
 
   void carry_all() {

@@ -4,9 +4,14 @@
 // saw, nobody takes a teammate for surface, and what cannot be run is one clear error.
 #include <gtest/gtest.h>
 
+#include <arpent/map_patch_t.hpp>
 #include <filesystem>
+#include <set>
 
+#include "common/bus/typed.h"
+#include "common/channels.h"
 #include "common/error.h"
+#include "common/log/event_log.h"
 #include "tools/mission/team_figures.h"
 
 namespace arpent::tools {
@@ -70,8 +75,58 @@ TEST_F(TeamMissionTest, ARobotThatDiesIsMissedAndStandsWhereItDied) {
   EXPECT_LT(result.robots[1].reports.back().stamp - result.robots[1].reports.front().stamp, std::chrono::seconds(6));
 }
 
+TEST_F(TeamMissionTest, ARobotThatJoinsLateKnowsWhatOthersSawAndIsGivenWork) {
+  MissionSpec spec = arena(2, 24);
+  spec.join = "R2@7";
+  const TeamResult result = run(spec);
+  ASSERT_FALSE(result.robots[1].truth.empty());
+  EXPECT_GT(result.robots[1].truth.front().stamp - result.robots[0].truth.front().stamp, std::chrono::seconds(6));
+  EXPECT_GT(result.robots[1].paths.size(), 1U) << "it was sent somewhere";
+  EXPECT_GT(result.processes.at("R2/mission_process").counters.at("TEAM_PATCH.received"), 20) << "also those of before";
+  EXPECT_EQ(result.encounters.overlaps, 0);
+}
+
+TEST_F(TeamMissionTest, ACentreThatIsStartedAgainGoesOnFromItsJournalAndGetsWhatItMissed) {
+  MissionSpec spec = arena(2, 18);
+  spec.patch.send_again_s = 4;
+  spec.kill = "centre@8";
+  spec.join = "centre@11";
+  const TeamResult result = run(spec);
+  const auto& counters = result.processes.at("centre/centre_process").counters;
+  EXPECT_GT(counters.at("TEAM_PATCH.recalled"), 20);
+  EXPECT_GT(counters.at("TOUR.recalled"), 2);
+  std::int64_t again = 0, expired = 0;
+  for (const char* robot : {"R1", "R2"}) {
+    const auto& patches = result.processes.at(std::string(robot) + "/patch_process").counters;
+    if (patches.contains("MAP_PATCH.sent_again")) again += patches.at("MAP_PATCH.sent_again");
+    const auto& mission = result.processes.at(std::string(robot) + "/mission_process").counters;
+    expired += mission.contains("TEAM_TOUR.expired") ? mission.at("TEAM_TOUR.expired") : 0;
+  }
+  EXPECT_GT(again, 0);
+  EXPECT_EQ(expired, 0);
+  // Everything that the robots have sent, but for the newest, is in the new centre's map.
+  std::set<std::pair<std::string, std::int64_t>> sent;
+  for (const char* robot : {"R1", "R2"}) {
+    LogReader log(folder_ / robot / "mission.lcmlog");
+    map_patch_t patch;
+    std::string fault;
+    while (const auto event = log.next()) {
+      if (event->channel != channels::kMapPatch) continue;
+      ASSERT_TRUE(decode_guarded(event->data, patch, fault)) << fault;
+      sent.emplace(patch.source, patch.sample);
+    }
+  }
+  EXPECT_GE(result.centre.patches, static_cast<std::int64_t>(sent.size()) - 20);
+  EXPECT_LE(result.centre.patches, static_cast<std::int64_t>(sent.size()));
+}
+
 TEST_F(TeamMissionTest, TeamsThatCannotBeAreOneClearError) {
   EXPECT_THROW((void)run(arena(4, 10)), InputError) << "the arena has three starts";
+  MissionSpec spec = arena(2, 10);
+  spec.join = "centre@5";
+  EXPECT_THROW((void)joins(spec), InputError) << "it was not killed";
+  spec.join = "R5@5";
+  EXPECT_THROW((void)joins(spec), InputError);
   for (const char* kill : {"R3@5", "R2", "R2@x", "R2@-1", "R2@5s"}) {
     EXPECT_THROW((void)deaths(arena(2, 10, kill)), InputError) << kill;
   }

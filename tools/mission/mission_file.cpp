@@ -86,6 +86,7 @@ MissionSpec load_mission(const std::filesystem::path& file, const MissionOverrid
   if (!overrides.sensing.empty()) spec.sensing = overrides.sensing;
   if (overrides.robots) spec.robots = *overrides.robots;
   if (!overrides.kill.empty()) spec.kill = overrides.kill;
+  if (!overrides.join.empty()) spec.join = overrides.join;
   config::check(spec, file.string());
 
   // Live, the processes' configurations lie in another folder.
@@ -139,20 +140,40 @@ MissionSpec spec_of_robot(const MissionSpec& team, int robot) {
   return spec;
 }
 
-std::vector<Death> deaths(const MissionSpec& spec) {
+namespace {
+
+std::vector<TeamEvent> events_of(const std::string& text, const char* option, const MissionSpec& spec) {
   const std::vector<std::string> names = robot_names(spec);
-  std::vector<Death> deaths;
-  for (const std::string& item : split(spec.kill, ',')) {
+  std::vector<TeamEvent> events;
+  for (const std::string& item : split(text, ',')) {
     const std::size_t at = item.find('@');
-    Death death{item.substr(0, at), 0};
-    const bool known = std::find(names.begin(), names.end(), death.robot) != names.end();
+    TeamEvent event{item.substr(0, at), 0};
+    const bool known = event.who == kCentre || std::find(names.begin(), names.end(), event.who) != names.end();
     std::istringstream number(at == std::string::npos ? "" : item.substr(at + 1));
-    if (!known || !(number >> death.at_s) || !number.eof() || !(death.at_s >= 0)) {
-      throw InputError("kill: \"" + item + "\" must be ROBOT@SECONDS, e.g. R2@40");
+    if (!known || !(number >> event.at_s) || !number.eof() || !(event.at_s >= 0)) {
+      throw InputError(std::string(option) + ": \"" + item + "\" must be ROBOT@SECONDS or centre@SECONDS, e.g. R2@40");
     }
-    deaths.push_back(death);
+    events.push_back(event);
   }
-  return deaths;
+  return events;
+}
+
+}  // namespace
+
+std::vector<TeamEvent> deaths(const MissionSpec& spec) {
+  return events_of(spec.kill, "kill", spec);
+}
+
+std::vector<TeamEvent> joins(const MissionSpec& spec) {
+  std::vector<TeamEvent> joins = events_of(spec.join, "join", spec);
+  const std::vector<TeamEvent> killed = deaths(spec);
+  for (const TeamEvent& join : joins) {
+    const bool was_killed = std::any_of(killed.begin(), killed.end(), [&](const TeamEvent& death) {
+      return death.who == join.who && death.at_s < join.at_s;
+    });
+    if (join.who == kCentre && !was_killed) throw InputError("join: the centre starts again after it was killed");
+  }
+  return joins;
 }
 
 }  // namespace arpent::tools

@@ -35,7 +35,7 @@ struct MissionSpec {
   std::string sensing = "images";
   bool use_region = true;
   int robots = 1;
-  std::string kill;
+  std::string kill, join;
   SimConfig sim;
   BaseDriverConfig base;
   DepthConfig depth;
@@ -61,7 +61,12 @@ struct MissionSpec {
     visitor.field("use_region", self.use_region, "explore only the world's region");
     visitor.field("robots", self.robots, "how many robots, from the world's starts one after the other",
                   config::between(1, 5));
-    visitor.field("kill", self.kill, "ROBOT@SECONDS: that robot's computer dies then; with commas between, several");
+    visitor.field("kill", self.kill,
+                  "ROBOT@SECONDS: that robot's computer dies then; with commas between, several; centre@SECONDS: the "
+                  "centre does");
+    visitor.field("join", self.join,
+                  "ROBOT@SECONDS: that robot is there only from then on; centre@SECONDS: the centre that was killed is "
+                  "started again and goes on from its journal");
     visitor.group("sim", self.sim, "sim_process");
     visitor.group("base", self.base, "base_driver_process");
     visitor.group("depth", self.depth, "depth_process");
@@ -85,7 +90,7 @@ struct MissionOverrides {
   std::string sensing;
   std::string preset;  ///< default or thesis; empty: as the file has it
   std::optional<int> robots;
-  std::string kill;
+  std::string kill, join;
   std::vector<std::string> settings;  ///< key=value
 };
 
@@ -98,11 +103,15 @@ struct MissionOverrides {
 /// The spec of one robot of a team, by its number from 0: its start, its seed, and that it is led.
 [[nodiscard]] MissionSpec spec_of_robot(const MissionSpec& team, int robot);
 
-struct Death {
-  std::string robot;
+/// The centre's name among those of the robots.
+inline constexpr char kCentre[] = "centre";
+
+struct TeamEvent {
+  std::string who;  ///< a robot, or the centre
   double at_s = 0;  ///< after the start of the mission
 };
-/// Throws InputError if `kill` of the spec makes no sense.
-[[nodiscard]] std::vector<Death> deaths(const MissionSpec& spec);
+/// Of `kill` and `join`. Throw InputError if they make no sense.
+[[nodiscard]] std::vector<TeamEvent> deaths(const MissionSpec& spec);
+[[nodiscard]] std::vector<TeamEvent> joins(const MissionSpec& spec);
 
 }  // namespace arpent::tools

@@ -43,7 +43,9 @@ void add_options(CLI::App& app, Flags& flags) {
       ->check(CLI::IsMember({"default", "thesis"}));
   app.add_option("--robots", flags.overrides.robots, "so many robots under one plan (lockstep)")
       ->check(CLI::Range(1, 5));
-  app.add_option("--kill", flags.overrides.kill, "ROBOT@SECONDS: a robot's computer dies, e.g. R2@40");
+  app.add_option("--kill", flags.overrides.kill, "ROBOT@SECONDS: a robot's computer dies, e.g. R2@40; or centre@40");
+  app.add_option("--join", flags.overrides.join,
+                 "ROBOT@SECONDS: a robot joins late, e.g. R3@30; centre@45: the centre that was killed starts again");
   app.add_flag("--live", flags.live, "separate processes in real time instead of lockstep");
   app.add_option("--set", flags.overrides.settings,
                  "key=value, overrides a parameter, e.g. pose.fusion.gyro.used=false");

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <memory>
+#include <set>
 
 #include "common/bus/typed.h"
 #include "common/channels.h"
@@ -21,8 +22,6 @@
 
 namespace arpent::tools {
 namespace {
-
-const char* const kCentre = "centre";
 
 /// Compares the robots' true poses of each moment.
 class EncounterWatch {
@@ -69,30 +68,30 @@ class TeamRun {
         stack_(kStart, options.threads),
         watch_(config::load<RobotConfig>(spec.robot), result_.encounters) {
     result_.names = robot_names(spec);
+    sims_.resize(result_.names.size());
     result_.robots.resize(result_.names.size());
     for (std::size_t i = 0; i < result_.names.size(); ++i) {
-      const MissionSpec robot = spec_of_robot(spec, static_cast<int>(i));
-      listen(options.out / result_.names[i], robot, result_.robots[i]);
-      const std::string prefix = result_.names[i] + "/";
-      sims_.push_back(&add_robot(stack_, robot, prefix));
-      stack_.add<PatchProcess>(robot.patch, prefix);
-      stack_.add<MissionProcess>(robot.mission, prefix);
+      listen(options.out / result_.names[i], spec_of_robot(spec, static_cast<int>(i)), result_.robots[i]);
+      if (!joins_late(result_.names[i])) begin(i);
     }
     std::filesystem::create_directories(options.out / kCentre);
     centre_log_ = std::make_unique<LogWriter>(options.out / kCentre / "mission.lcmlog");
-    add_centre();
+    centre_config_ = spec.centre;
+    if (!deaths(spec).empty()) {
+      centre_config_.journal_file = options.out / kCentre / "journal.lcmlog";
+      std::filesystem::remove(centre_config_.journal_file);
+    }
+    centre_ = &stack_.add<CentreProcess>(centre_config_, std::string(kCentre) + "/");
+    add_radio();
     stack_.executor().set_tap(
         [this](Time time, const std::string& channel, BytesView bytes) { take(time, channel, bytes); });
   }
 
   TeamResult run(bool progress) {
-    const auto deaths_left = deaths(spec_);
-    for (const std::string& name : result_.names) {
-      stack_.executor().inject(kStart + kStartAfter, name + "/" + channels::kMissionCommand,
-                               encode(planning::to_wire(kStart, {planning::MissionCommand::kStart, "mission"})));
-    }
+    const std::vector<TeamEvent> all_deaths = deaths(spec_), all_joins = joins(spec_);
     while (!all_ended() && !interrupted()) {
-      kill(deaths_left);
+      for (const TeamEvent& death : all_deaths) kill(death);
+      for (const TeamEvent& join : all_joins) admit(join);
       stack_.executor().run_until(stack_.executor().now() + kStep);
       if (progress) show();
     }
@@ -114,8 +113,24 @@ class TeamRun {
     listeners_.push_back(std::move(listener));
   }
 
-  void add_centre() {
-    centre_ = &stack_.add<CentreProcess>(spec_.centre, std::string(kCentre) + "/");
+  [[nodiscard]] bool joins_late(const std::string& name) const {
+    const std::vector<TeamEvent> all = joins(spec_);
+    return std::any_of(all.begin(), all.end(), [&](const TeamEvent& join) { return join.who == name; });
+  }
+
+  /// The robot's processes, and its order to start.
+  void begin(std::size_t i) {
+    const MissionSpec robot = spec_of_robot(spec_, static_cast<int>(i));
+    const std::string prefix = result_.names[i] + "/";
+    sims_[i] = &add_robot(stack_, robot, prefix);
+    stack_.add<PatchProcess>(robot.patch, prefix);
+    stack_.add<MissionProcess>(robot.mission, prefix);
+    const Time now = stack_.executor().now();
+    stack_.executor().inject(now + kStartAfter, prefix + channels::kMissionCommand,
+                             encode(planning::to_wire(now, {planning::MissionCommand::kStart, "mission"})));
+  }
+
+  void add_radio() {
     RadioConfig radio = spec_.radio;
     radio.robots.clear();
     for (const std::string& name : result_.names) radio.robots += (radio.robots.empty() ? "" : ",") + name;
@@ -142,16 +157,28 @@ class TeamRun {
 
   [[nodiscard]] bool all_ended() const {
     for (std::size_t i = 0; i < result_.names.size(); ++i) {
-      if (!is_dead(result_.names[i]) && !result_.robots[i].ended()) return false;
+      if (sims_[i] != nullptr && !is_dead(result_.names[i]) && !result_.robots[i].ended()) return false;
     }
     return true;
   }
 
-  void kill(const std::vector<Death>& all) {
-    for (const Death& death : all) {
-      if (is_dead(death.robot) || stack_.executor().now() < kStart + kStartAfter + from_seconds(death.at_s)) continue;
-      stack_.executor().silence(death.robot + "/", SimProcess::kName);
-      result_.died.push_back(death.robot);
+  [[nodiscard]] bool is_due(const TeamEvent& event) {
+    return stack_.executor().now() >= kStart + kStartAfter + from_seconds(event.at_s);
+  }
+
+  void kill(const TeamEvent& death) {
+    if (!is_due(death) || !killed_.insert(death.who).second) return;
+    stack_.executor().silence(death.who + "/", SimProcess::kName);
+    if (death.who != kCentre) result_.died.push_back(death.who);
+  }
+
+  void admit(const TeamEvent& join) {
+    if (!is_due(join) || !admitted_.insert(join.who).second) return;
+    if (join.who == kCentre) {
+      centre_ = &stack_.add<CentreProcess>(centre_config_, std::string(kCentre) + "/");
+    } else {
+      begin(static_cast<std::size_t>(std::find(result_.names.begin(), result_.names.end(), join.who) -
+                                     result_.names.begin()));
     }
   }
 
@@ -169,7 +196,7 @@ class TeamRun {
   void gather() {
     for (std::size_t i = 0; i < result_.robots.size(); ++i) {
       listeners_[i].log->close();
-      result_.robots[i].collisions = sims_[i]->collisions();
+      result_.robots[i].collisions = sims_[i] != nullptr ? sims_[i]->collisions() : 0;
     }
     centre_log_->close();
     result_.mesh = mapping::extract_mesh(centre_->centre().map());
@@ -184,7 +211,9 @@ class TeamRun {
   std::unique_ptr<LogWriter> centre_log_;
   LockstepStack stack_;
   EncounterWatch watch_;
-  std::vector<const SimProcess*> sims_;
+  std::vector<const SimProcess*> sims_;  ///< null: the robot has not joined
+  CentreConfig centre_config_;
+  std::set<std::string> killed_, admitted_;
   const CentreProcess* centre_ = nullptr;
   const RadioProcess* radio_ = nullptr;
 };
@@ -194,7 +223,7 @@ class TeamRun {
 TeamResult run_team(const MissionSpec& spec, const MissionOptions& options) {
   if (options.live) throw InputError("a team runs in lockstep; live it does not yet");
   if (spec.mission.kind != "explore") throw InputError("a team explores; mission.kind must be explore");
-  (void)deaths(spec);
+  (void)joins(spec);
   keep_freed_memory();
   const double cpu_start = process_cpu_s();
   const auto wall_start = std::chrono::steady_clock::now();

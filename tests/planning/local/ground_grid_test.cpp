@@ -113,6 +113,20 @@ TEST(GroundGrid, TheDeclaredStartIsFreeUntilDepthSaysOtherwise) {
   EXPECT_EQ(start.state({3.0, 3}), CellState::kUnknown);
 }
 
+TEST(GroundGrid, WhereARobotStandsIsFreeThoughOthersTookItForSurface) {
+  FlatWorld world;
+  world.boxes.push_back({{4, 3}, {0.2, 0.15}});  // the robot, as seen before it joined
+  world.boxes.push_back({{4, 4}, {0.2, 0.15}});
+  const Footprint body({0.3, 0.2});
+  GroundGrid grid({});
+  grid.declare_free({4, 3}, 0.8);
+  grid.update(make_map(world, 0.1));
+  EXPECT_FALSE(Ground(grid, body).is_free({4, 3, 0}));
+  grid.declare_body(body, {4, 3, 0});
+  EXPECT_TRUE(Ground(grid, body).is_free({4, 3, 0}));
+  EXPECT_EQ(grid.state({4, 4}), CellState::kOccupied) << "not what stands beside it";
+}
+
 TEST(GroundGrid, UpdatesByChangedBlocksEqualAFreshGrid) {
   std::mt19937 random(5);
   const TsdfMap whole = make_map(random_world(random, 6), 0.1);

@@ -20,6 +20,7 @@
 #include "drivers/can/process/open_can_port.h"
 #include "sim/camera/depth_sensor.h"
 #include "sim/camera/renderer.h"
+#include "sim/process/truth_socket.h"
 #include "sim/robot/sim_robot.h"
 #include "sim/wire.h"
 #include "sim/world/ground.h"
@@ -84,6 +85,7 @@ struct SimProcess::State {
   std::optional<Pose> T_odom_last;
   std::mt19937_64 alignment_random;
   std::map<std::string, Pose2> teammates;  ///< as they last said, a cycle ago
+  std::unique_ptr<TruthSocket> truth;      ///< nullptr: teammates are on the bus
 
   State(const Config& c, Bus& process_bus, Clock& process_clock)
       : config(c),
@@ -114,13 +116,32 @@ struct SimProcess::State {
   }
 
   void listen_to_teammates() {
-    for (const std::string& name : split(config.teammates, ',')) {
-      subscribe<pose_t>(bus, name + "/" + channels::kTruthPose, {.queue_capacity = 4}, [this, name](const pose_t& m) {
-        const double* q = m.orientation_wxyz;
-        const auto T = make_pose(Eigen::Map<const Eigen::Vector3d>(m.position_m), {q[0], q[1], q[2], q[3]});
-        if (T) teammates[name] = to_pose2(*T);
-      });
+    const std::vector<std::string> names = split(config.teammates, ',');
+    if (!config.truth_folder.empty()) {
+      if (config.name.empty()) throw InputError("truth_folder needs the robot's name");
+      truth = std::make_unique<TruthSocket>(config.truth_folder, config.name, names);
+      return;
     }
+    for (const std::string& name : names) {
+      subscribe<pose_t>(bus, name + "/" + channels::kTruthPose, {.queue_capacity = 4},
+                        [this, name](const pose_t& m) { note(name, m); });
+    }
+  }
+
+  void note(const std::string& teammate, const pose_t& m) {
+    const double* q = m.orientation_wxyz;
+    const auto T = make_pose(Eigen::Map<const Eigen::Vector3d>(m.position_m), {q[0], q[1], q[2], q[3]});
+    if (T) teammates[teammate] = to_pose2(*T);
+  }
+
+  /// Of the cycle before, as on the bus.
+  void hear_teammates() {
+    if (!truth) return;
+    truth->receive([this](const std::string& teammate, BytesView bytes) {
+      pose_t message;
+      std::string fault;
+      if (decode_guarded(bytes, message, fault)) note(teammate, message);
+    });
   }
 
   [[nodiscard]] std::vector<sim::Body> bodies() const {
@@ -132,13 +153,16 @@ struct SimProcess::State {
   void step() {
     const Time now = clock.now();
     hand_over();
+    hear_teammates();
     chassis.set_blocked(robot.in_contact());
     chassis.step(now, kCycleS);
     const Twist2 pushed = chassis.twist();
     drive(pushed);
     // A reading is the mean of the cycle that ends now, and of its middle.
     publish(bus, channels::kImu, sim::to_wire(now - kCycle / 2, cycle, imu.read(robot.twist(), kCycleS)));
-    publish(bus, channels::kTruthPose, sim::to_wire(now, robot.pose()));
+    const pose_t here = sim::to_wire(now, robot.pose());
+    publish(bus, channels::kTruthPose, here);
+    if (truth) truth->send(encode(here));
     if (cycle++ % cycles_per_pair != 0) return;
     if (config.sensing == "images") {
       take_images(now);

@@ -33,6 +33,11 @@ namespace {
 constexpr Duration kCycle = std::chrono::milliseconds(20);
 constexpr double kCycleS = 0.02;
 constexpr int kSubsteps = 4;
+/// Live, a machine that is slower than real time: what it is behind beyond this is lost, and the world stands
+/// meanwhile.
+constexpr Duration kMostBehind = std::chrono::milliseconds(500);
+/// By so much a cycle may be early: a timer that came late once does not hold back all that follow.
+constexpr Duration kMostAhead = std::chrono::milliseconds(2);
 /// What the alignment of `sensing: depth` is worth, as tags at 2 m are (bench `square`).
 constexpr double kAlignmentSigmaM = 0.004;
 constexpr double kAlignmentSigmaRad = 0.002;
@@ -79,6 +84,7 @@ struct SimProcess::State {
   sim::SimOdometry odometry;
   camera::ExposureController exposure;
   std::int64_t cycle = 0, pair = 0;
+  Time due{};  ///< of the next cycle
   std::int64_t cycles_per_pair = 10;
   /// What the cameras have taken and not yet handed over.
   std::vector<std::pair<std::string, Bytes>> in_transfer;
@@ -150,8 +156,15 @@ struct SimProcess::State {
     return bodies;
   }
 
-  void step() {
+  /// Lockstep: one cycle. Live, a timer comes late now and then; hardware does not. So cycles keep to their own times,
+  /// and those that are due are made up for.
+  void tick() {
     const Time now = clock.now();
+    if (cycle == 0 || now - due > kMostBehind || (now < due && due - now < kMostAhead)) due = now;
+    for (; due <= now; due += kCycle) step(due);
+  }
+
+  void step(Time now) {
     hand_over();
     hear_teammates();
     chassis.set_blocked(robot.in_contact());
@@ -241,7 +254,7 @@ struct SimProcess::State {
 SimProcess::SimProcess(const Config& config, Bus& bus, Clock& clock)
     : state_(std::make_unique<State>(config, bus, clock)) {
   state_->listen_to_teammates();
-  clock.every(kCycle, [this] { state_->step(); });
+  clock.every(kCycle, [this] { state_->tick(); });
 }
 
 SimProcess::~SimProcess() = default;

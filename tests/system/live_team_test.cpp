@@ -38,7 +38,7 @@ using Steady = std::chrono::steady_clock;
 using testing::HasSubstr;
 
 template <class Message>
-Message decoded(const Bytes& bytes) {
+Message decoded(BytesView bytes) {
   Message message;
   std::string fault;
   EXPECT_TRUE(decode_guarded(bytes, message, fault)) << fault;
@@ -179,7 +179,7 @@ TEST_F(LiveTeam, TwoRobotsExploreUnderOnePlan) {
 TEST_F(LiveTeam, CtrlCEndsItInOrderAndADeadRobotHoldsNothingUp) {
   start({"--kill", "R2@1"});
   ASSERT_TRUE(wait_until(
-      [this] { return text_of("launch.log").find("R2/mission_process   ended with code 137") != std::string::npos; },
+      [this] { return text_of("launch.log").find("R2/mission_process ended with code 137") != std::string::npos; },
       120s))
       << text_of("said");
   kill(mission_, SIGINT);

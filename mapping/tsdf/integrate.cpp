@@ -185,7 +185,7 @@ bool View::update(Block& block) const {
       if (kind == CellKind::kPlane) {
         const Cell& plane = cells_.planes[at];
         distance = plane.nx * p.x() + plane.ny * p.y() + plane.nz * p.z() + plane.offset_m;
-        if (distance < -truncation_m_) continue;
+        if (distance <= -truncation_m_) continue;  // there the weight is 0
         if (distance < 0) {
           const float surface_z = plane.offset_m * p.z() / (plane.offset_m - distance);
           if (p.z() - surface_z > reach_m()) continue;
@@ -195,7 +195,7 @@ bool View::update(Block& block) const {
         // A surface beyond the range of depth is not measured, but up to there nothing is in the way.
         if (!(z >= nearest_m_ && std::min(z, p.z()) <= farthest_m_) || !std::isfinite(z)) continue;
         distance = z - p.z();
-        if (distance < -kEdgeBehindVoxels * voxel_m_) continue;
+        if (distance <= -std::min(kEdgeBehindVoxels * voxel_m_, truncation_m_)) continue;
       } else {
         continue;
       }

@@ -80,6 +80,34 @@ TEST(TsdfMap, DistancesToASlantedPlaneAreThoseAcrossIt) {
   EXPECT_GT(compared, 300);
 }
 
+/// There the weight of eq. 1.2 has dropped to 0. Clutter, which is not fitted, and lengths that are sums of powers of
+/// two: the distance is exact.
+TEST(TsdfMap, AVoxelThatLiesExactlyTheTruncationDistanceBehindASurfaceHasNoDistance) {
+  TsdfParams p = params(0.125);
+  p.truncation_voxels = 1;
+  TsdfMap map(p);
+  stereo::DepthMap clutter = see_wall(2.0);
+  for (int v = 0; v < kCamera.height_px; ++v) {
+    for (int u = v % 2; u < kCamera.width_px; u += 2) clutter.depth_m(v, u) = 3.0F;
+  }
+  const Pose T_map_cam(Eigen::Translation3d(0, 0, 0.0625));
+  (void)map.integrate(clutter, T_map_cam);  // voxels' centres lie 0.125 k from the camera
+  (void)map.integrate(clutter, Pose(Eigen::Translation3d(0, 0, 0.1)));
+  int seen = 0;
+  for (int k = 0; k < 24; ++k) {
+    for (int j = -8; j < 8; ++j) {
+      for (int i = -8; i < 8; ++i) {
+        const auto voxel = map.voxel({i, j, k});
+        if (!voxel) continue;
+        ASSERT_TRUE(std::isfinite(voxel->distance_m)) << i << ' ' << j << ' ' << k;
+        ASSERT_GT(voxel->weight, 0);
+        ++seen;
+      }
+    }
+  }
+  EXPECT_GT(seen, 1000);
+}
+
 TEST(TsdfMap, TheMapDoesNotDependOnTheNumberOfThreads) {
   std::vector<std::uint32_t> digests;
   for (const int threads : {1, 2, 4}) {

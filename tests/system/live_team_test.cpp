@@ -61,12 +61,12 @@ class LiveTeam : public testing::Test {
     fs::remove_all(out_);
   }
 
-  void start(const std::vector<std::string>& arguments) {
+  void start(const std::vector<std::string>& arguments, int robots = 2) {
     std::vector<std::string> words{ARPENT_BIN_DIR "/arpent-mission",
                                    ARPENT_SOURCE_DIR "/config/missions/test_arena.yaml",
                                    "--live",
                                    "--robots",
-                                   "2",
+                                   std::to_string(robots),
                                    "--sensing",
                                    "depth",
                                    "--out",
@@ -191,7 +191,7 @@ TEST_F(LiveTeam, CtrlCEndsItInOrderAndADeadRobotHoldsNothingUp) {
 }
 
 TEST_F(LiveTeam, MoreRobotsThanStartsIsOneErrorBeforeAnythingStarts) {
-  start({"--robots", "4"});
+  start({}, 4);
   EXPECT_EQ(exit_code(60s), 2);
   EXPECT_THAT(text_of("said"), HasSubstr("start 3"));
   EXPECT_FALSE(fs::exists(out_ / "launch.log"));

@@ -152,7 +152,7 @@ class LiveTeam : public testing::Test {
 };
 
 TEST_F(LiveTeam, TwoRobotsExploreUnderOnePlan) {
-  start({"--set", "mission.max_time_s=30"});
+  start({"--set", "mission.max_time_s=20"});
   EXPECT_EQ(exit_code(170s), 1) << text_of("said");
   for (const std::string name : {"R1", "R2"}) {
     const Heard robot = log_of(name);

@@ -166,7 +166,8 @@ struct Explorer::State {
   }
 
   void adopt(Time now) {
-    adopted_at = now;
+    // A centre that says again and again that there is nothing to drive to does not keep a robot from looking around.
+    if (!params.led || !pending->tour.tour.targets.empty()) adopted_at = now;
     viewpoints = std::move(pending->tour.viewpoints);
     tour = std::move(pending->tour.tour);
     low_level.set_tour(tour);
@@ -351,6 +352,11 @@ struct Explorer::State {
     team.retries = 0;
   }
 
+  /// Teammates do not count: robots that start side by side would look nowhere. Who turns first is traffic's matter.
+  [[nodiscard]] bool has_room_to_turn(const Pose2& pose) const {
+    return Ground(grid, footprint, params.costs).clearance_m(pose.position_m()) >= footprint.long_m();
+  }
+
   /// The centre plans. Meanwhile the robot gets out of where it is boxed in, turns about once if it was not sent
   /// anywhere, and tries again what teammates kept it from.
   void await_tour(Time now, const Ground& ground, const Pose2& pose, ReplanReason reason) {
@@ -359,7 +365,7 @@ struct Explorer::State {
     const bool boxed_in = ground.clearance_m(pose.position_m()) < footprint.long_m();
     if (tour.targets.empty()) {
       team.retries = 0;
-      if (!looked_around && !boxed_in && status.elements > 0 && now - adopted_at > from_seconds(1.0)) {
+      if (!looked_around && has_room_to_turn(pose) && status.elements > 0 && now - adopted_at > from_seconds(1.0)) {
         look_around(now, pose);
       }
       return;

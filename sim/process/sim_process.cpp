@@ -20,6 +20,7 @@
 #include "drivers/can/process/open_can_port.h"
 #include "sim/camera/depth_sensor.h"
 #include "sim/camera/renderer.h"
+#include "sim/process/truth_socket.h"
 #include "sim/robot/sim_robot.h"
 #include "sim/wire.h"
 #include "sim/world/ground.h"
@@ -32,6 +33,11 @@ namespace {
 constexpr Duration kCycle = std::chrono::milliseconds(20);
 constexpr double kCycleS = 0.02;
 constexpr int kSubsteps = 4;
+/// Live, a machine that is slower than real time: what it is behind beyond this is lost, and the world stands
+/// meanwhile.
+constexpr Duration kMostBehind = std::chrono::milliseconds(500);
+/// By so much a cycle may be early: a timer that came late once does not hold back all that follow.
+constexpr Duration kMostAhead = std::chrono::milliseconds(2);
 /// What the alignment of `sensing: depth` is worth, as tags at 2 m are (bench `square`).
 constexpr double kAlignmentSigmaM = 0.004;
 constexpr double kAlignmentSigmaRad = 0.002;
@@ -78,12 +84,14 @@ struct SimProcess::State {
   sim::SimOdometry odometry;
   camera::ExposureController exposure;
   std::int64_t cycle = 0, pair = 0;
+  Time due{};  ///< of the next cycle
   std::int64_t cycles_per_pair = 10;
   /// What the cameras have taken and not yet handed over.
   std::vector<std::pair<std::string, Bytes>> in_transfer;
   std::optional<Pose> T_odom_last;
   std::mt19937_64 alignment_random;
   std::map<std::string, Pose2> teammates;  ///< as they last said, a cycle ago
+  std::unique_ptr<TruthSocket> truth;      ///< nullptr: teammates are on the bus
 
   State(const Config& c, Bus& process_bus, Clock& process_clock)
       : config(c),
@@ -114,13 +122,32 @@ struct SimProcess::State {
   }
 
   void listen_to_teammates() {
-    for (const std::string& name : split(config.teammates, ',')) {
-      subscribe<pose_t>(bus, name + "/" + channels::kTruthPose, {.queue_capacity = 4}, [this, name](const pose_t& m) {
-        const double* q = m.orientation_wxyz;
-        const auto T = make_pose(Eigen::Map<const Eigen::Vector3d>(m.position_m), {q[0], q[1], q[2], q[3]});
-        if (T) teammates[name] = to_pose2(*T);
-      });
+    const std::vector<std::string> names = split(config.teammates, ',');
+    if (!config.truth_folder.empty()) {
+      if (config.name.empty()) throw InputError("truth_folder needs the robot's name");
+      truth = std::make_unique<TruthSocket>(config.truth_folder, config.name, names);
+      return;
     }
+    for (const std::string& name : names) {
+      subscribe<pose_t>(bus, name + "/" + channels::kTruthPose, {.queue_capacity = 4},
+                        [this, name](const pose_t& m) { note(name, m); });
+    }
+  }
+
+  void note(const std::string& teammate, const pose_t& m) {
+    const double* q = m.orientation_wxyz;
+    const auto T = make_pose(Eigen::Map<const Eigen::Vector3d>(m.position_m), {q[0], q[1], q[2], q[3]});
+    if (T) teammates[teammate] = to_pose2(*T);
+  }
+
+  /// Of the cycle before, as on the bus.
+  void hear_teammates() {
+    if (!truth) return;
+    truth->receive([this](const std::string& teammate, BytesView bytes) {
+      pose_t message;
+      std::string fault;
+      if (decode_guarded(bytes, message, fault)) note(teammate, message);
+    });
   }
 
   [[nodiscard]] std::vector<sim::Body> bodies() const {
@@ -129,16 +156,26 @@ struct SimProcess::State {
     return bodies;
   }
 
-  void step() {
+  /// Lockstep: one cycle. Live, a timer comes late now and then; hardware does not. So cycles keep to their own times,
+  /// and those that are due are made up for.
+  void tick() {
     const Time now = clock.now();
+    if (cycle == 0 || now - due > kMostBehind || (now < due && due - now < kMostAhead)) due = now;
+    for (; due <= now; due += kCycle) step(due);
+  }
+
+  void step(Time now) {
     hand_over();
+    hear_teammates();
     chassis.set_blocked(robot.in_contact());
     chassis.step(now, kCycleS);
     const Twist2 pushed = chassis.twist();
     drive(pushed);
     // A reading is the mean of the cycle that ends now, and of its middle.
     publish(bus, channels::kImu, sim::to_wire(now - kCycle / 2, cycle, imu.read(robot.twist(), kCycleS)));
-    publish(bus, channels::kTruthPose, sim::to_wire(now, robot.pose()));
+    const pose_t here = sim::to_wire(now, robot.pose());
+    publish(bus, channels::kTruthPose, here);
+    if (truth) truth->send(encode(here));
     if (cycle++ % cycles_per_pair != 0) return;
     if (config.sensing == "images") {
       take_images(now);
@@ -217,7 +254,7 @@ struct SimProcess::State {
 SimProcess::SimProcess(const Config& config, Bus& bus, Clock& clock)
     : state_(std::make_unique<State>(config, bus, clock)) {
   state_->listen_to_teammates();
-  clock.every(kCycle, [this] { state_->step(); });
+  clock.every(kCycle, [this] { state_->tick(); });
 }
 
 SimProcess::~SimProcess() = default;

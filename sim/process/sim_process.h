@@ -30,6 +30,8 @@ struct SimConfig {
   std::string sensing = "images";
   std::string can = "bus";
   std::string teammates;
+  std::string name;
+  std::filesystem::path truth_folder;
   base::MotorParams motors{.left_slip = 0.01, .right_slip = 0.01};
   double track_error = 0.01;
   camera::ExposureParams exposure;
@@ -47,6 +49,11 @@ struct SimConfig {
     visitor.field("can", self.can, "the chassis' place on the CAN bus: bus (messages on channel CAN) or socket:PATH");
     visitor.field("teammates", self.teammates,
                   "names of other robots in this world, with commas between: their TRUTH_POSE says where they stand");
+    visitor.field("name", self.name, "the robot's own name, for truth_folder");
+    visitor.field(
+        "truth_folder", self.truth_folder,
+        "folder of the local sockets on which simulators in processes of their own tell each other TRUTH_POSE; "
+        "empty: it comes on the bus");
     visitor.group("motors", self.motors, "motors and wheels; their geometry is the robot file's");
     visitor.field("track_error", self.track_error, "by how much the effective track is wider than the robot file says",
                   config::between(-0.5, 0.5));

@@ -72,7 +72,7 @@ const std::map<std::string, std::uint64_t> kFrozen = {
     {"map_patch_t", 0xe8f38b89fe08d1aa},
     {"robot_state_t", 0x0e566938f896bc3c},
     {"tour_report_t", 0xb76ca3069dd18e21},
-    {"tour_t", 0x75e30c34edaae9f7},
+    {"tour_t", 0x4a5176a40f00c244},
     {"viewpoint_t", 0x3abacb40aa61490d},
 };
 

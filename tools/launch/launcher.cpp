@@ -4,6 +4,7 @@
 
 #include <fcntl.h>
 #include <poll.h>
+#include <sched.h>
 #include <signal.h>
 #include <sys/prctl.h>
 #include <sys/wait.h>
@@ -48,6 +49,7 @@ class SignalsHeld {
   pthread_sigmask(SIG_SETMASK, &none, nullptr);
   prctl(PR_SET_PDEATHSIG, SIGTERM);
   if (getppid() != parent) _exit(127);
+  if (spec.network_fd >= 0 && setns(spec.network_fd, CLONE_NEWNET) != 0) _exit(126);
   dup2(output_fd, STDOUT_FILENO);
   dup2(output_fd, STDERR_FILENO);
   std::vector<char*> arguments;
@@ -73,7 +75,7 @@ void Launcher::start(const ProcessSpec& spec) {
   if (executable.find('/') != std::string::npos && access(executable.c_str(), X_OK) != 0) {
     throw InputError("cannot start " + spec.name + ": " + executable + " is not there or not executable");
   }
-  children_.push_back({spec, -1, 0, 0, false, -1, "", {}});
+  children_.push_back({spec, -1, 0, 0, false, false, -1, "", {}});
   spawn(children_.back());
 }
 
@@ -176,18 +178,31 @@ bool Launcher::stop(const std::string& name, int patience_ms) {
   for (Child& child : children_) {
     if (child.spec.name != name || child.pid <= 0) continue;
     child.spec.restart = false;
-    kill(child.pid, SIGTERM);
+    ::kill(child.pid, SIGTERM);
     const auto limit = std::chrono::steady_clock::now() + std::chrono::milliseconds(patience_ms);
     while (child.pid > 0 && std::chrono::steady_clock::now() < limit) poll(20);
     if (child.pid <= 0) continue;
     willing = false;
     log(child.spec.name, "does not end: killed");
-    kill(child.pid, SIGKILL);
-    int status = 0;
-    waitpid(child.pid, &status, 0);
-    on_end(child, status);
+    finish_off(child);
   }
   return willing;
+}
+
+void Launcher::finish_off(Child& child) {
+  ::kill(child.pid, SIGKILL);
+  int status = 0;
+  waitpid(child.pid, &status, 0);
+  on_end(child, status);
+}
+
+void Launcher::kill(const std::string& name) {
+  for (Child& child : children_) {
+    if (child.spec.name != name) continue;
+    child.spec.restart = false;
+    child.killed = true;
+    if (child.pid > 0) finish_off(child);
+  }
 }
 
 int Launcher::stop_all(int patience_ms) {

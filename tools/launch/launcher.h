@@ -20,6 +20,7 @@ struct ProcessSpec {
   std::string name;                  ///< for the log
   std::vector<std::string> command;  ///< executable and arguments
   bool restart = true;               ///< start it again when it ends by itself
+  int network_fd = -1;               ///< the network namespace that it runs in; -1: the launcher's
 };
 
 class Launcher {
@@ -32,6 +33,7 @@ class Launcher {
     int exit_code = 0;  ///< of the last end; 128 + signal if killed
     int restarts = 0;
     bool gave_up = false;  ///< it ended more than 3 times within 10 s and is not started again
+    bool killed = false;   ///< by kill()
     int output_fd = -1;
     std::string partial_line;
     std::vector<SteadyTime> ends;
@@ -57,6 +59,9 @@ class Launcher {
   /// The same for one process; false if it had to be killed.
   bool stop(const std::string& name, int patience_ms);
 
+  /// SIGKILL, as if the power went; it is not started again. Nothing if it does not run.
+  void kill(const std::string& name);
+
   [[nodiscard]] const std::vector<Child>& children() const { return children_; }
   [[nodiscard]] bool running(const std::string& name) const;
 
@@ -64,6 +69,7 @@ class Launcher {
   void spawn(Child& child);
   void reap();
   void on_end(Child& child, int status);
+  void finish_off(Child& child);
   void gather(int wait_ms);
   void write_lines(Child& child, const char* data, std::size_t size);
   void log(const std::string& name, const std::string& line);

@@ -41,8 +41,7 @@ void add_options(CLI::App& app, Flags& flags) {
       ->check(CLI::IsMember({"images", "depth"}));
   app.add_option("--preset", flags.overrides.preset, "default, or thesis: its method as printed")
       ->check(CLI::IsMember({"default", "thesis"}));
-  app.add_option("--robots", flags.overrides.robots, "so many robots under one plan (lockstep)")
-      ->check(CLI::Range(1, 5));
+  app.add_option("--robots", flags.overrides.robots, "so many robots under one plan")->check(CLI::Range(1, 5));
   app.add_option("--kill", flags.overrides.kill, "ROBOT@SECONDS: a robot's computer dies, e.g. R2@40; or centre@40");
   app.add_option("--join", flags.overrides.join,
                  "ROBOT@SECONDS: a robot joins late, e.g. R3@30; centre@45: the centre that was killed starts again");

@@ -18,6 +18,7 @@
 #include "planning/local/obstacles.h"
 #include "tools/mission/live.h"
 #include "tools/mission/lockstep.h"
+#include "tools/mission/team_live.h"
 #include "tools/progress.h"
 
 namespace arpent::tools {
@@ -221,8 +222,8 @@ class TeamRun {
 }  // namespace
 
 TeamResult run_team(const MissionSpec& spec, const MissionOptions& options) {
-  if (options.live) throw InputError("a team runs in lockstep; live it does not yet");
   if (spec.mission.kind != "explore") throw InputError("a team explores; mission.kind must be explore");
+  if (options.live) return run_live_team(spec, options);
   (void)joins(spec);
   keep_freed_memory();
   const double cpu_start = process_cpu_s();

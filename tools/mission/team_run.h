@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The arpent authors
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// Runs a team in lockstep: each robot's processes on its own bus, a centre on another, the simulated radio between
-// them, all robots in one world. Each bus has its own log (R1/mission.lcmlog, centre/mission.lcmlog).
+// Runs a team, in lockstep or live (team_live.h): each robot's processes on its own bus, a centre on another, a radio
+// between them, all robots in one world. Each bus has its own log (R1/mission.lcmlog, centre/mission.lcmlog).
 #pragma once
 
 #include <map>
@@ -10,15 +10,10 @@
 #include <vector>
 
 #include "planning/team/centre.h"
+#include "tools/mission/encounters.h"
 #include "tools/mission/run.h"
 
 namespace arpent::tools {
-
-/// Of the truth.
-struct TeamEncounters {
-  int overlaps = 0;          ///< how often the footprints of two robots came to overlap
-  double least_gap_m = 1e9;  ///< between footprints, ever
-};
 
 struct TeamResult {
   std::vector<std::string> names;
@@ -33,7 +28,7 @@ struct TeamResult {
   double wall_s = 0;
 };
 
-/// Throws InputError for a team that cannot be: live, of another kind than explore, more robots than starts.
+/// Throws InputError for a team that cannot be: of another kind than explore, more robots than starts.
 [[nodiscard]] TeamResult run_team(const MissionSpec& spec, const MissionOptions& options);
 
 }  // namespace arpent::tools

@@ -2,7 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tools/launch/launcher.h"
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <signal.h>
 #include <unistd.h>
 
 #include <fstream>
@@ -62,6 +64,28 @@ TEST_F(LauncherTest, StopsGentlyAndKillsOnlyWhatDoesNotListen) {
   EXPECT_FALSE(launcher.running("gentle"));
   EXPECT_FALSE(launcher.running("deaf"));
   EXPECT_NE(log().find("bye"), std::string::npos);
+}
+
+TEST_F(LauncherTest, AKilledProcessStaysDead) {
+  Launcher launcher(log_file_);
+  launcher.start({"victim", {"/bin/sleep", "30"}, true});
+  launcher.kill("victim");
+  launcher.poll(20);
+  const Launcher::Child& child = launcher.children()[0];
+  EXPECT_EQ(child.pid, -1);
+  EXPECT_EQ(child.exit_code, 128 + SIGKILL);
+  EXPECT_TRUE(child.killed);
+  EXPECT_EQ(child.restarts, 0);
+}
+
+TEST_F(LauncherTest, ANetworkThatIsNoneIsNotEntered) {
+  Launcher launcher(log_file_);
+  const int no_network = open("/dev/null", O_RDONLY | O_CLOEXEC);
+  launcher.start({"lost", {"/bin/sh", "-c", "echo ran"}, false, no_network});
+  poll_until(launcher, [&] { return !launcher.running("lost"); });
+  close(no_network);
+  EXPECT_EQ(launcher.children()[0].exit_code, 126);
+  EXPECT_EQ(log().find("ran\n"), std::string::npos);
 }
 
 /// A shell that stops at once sends SIGTERM before the child has become its program.

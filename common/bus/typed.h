@@ -47,6 +47,14 @@ template <class Message>
   return fault.empty();
 }
 
+/// `use(const Message&)` is called if the bytes are a message of this type; else they are passed over.
+template <class Message, class Use>
+void decode(BytesView bytes, Use use) {
+  Message message;
+  std::string fault;
+  if (decode_guarded(bytes, message, fault)) use(message);
+}
+
 /// `handler(const Message&)` is called for each message that can be decoded.
 template <class Message, class Handler>
 void subscribe(Bus& bus, const std::string& channel, const SubscriptionOptions& options, Handler handler) {

@@ -83,9 +83,8 @@ struct CentreProcess::State {
   void recall(Time time, const std::string& channel, BytesView bytes) {
     const auto decoded = [&](auto message) {
       std::string fault;
-      if (decode_guarded(bytes, message, fault) ? take(message, time) : (refuse(channel, fault), false)) {
-        bus.health().count(channel, "recalled");
-      }
+      if (!decode_guarded(bytes, message, fault)) return refuse(channel, fault);
+      if (take(message, time)) bus.health().count(channel, "recalled");
     };
     if (channel == channels::kTeamPatch) decoded(map_patch_t{});
     if (channel == channels::kTeamState) decoded(robot_state_t{});

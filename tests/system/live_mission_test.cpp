@@ -3,19 +3,14 @@
 //
 // `arpent mission --live` as a user starts it: separate processes on a bus of their own, in real time. Ctrl-C and the
 // mission's own limit both end it in order: exit code, log, report, a robot that is disarmed and stands.
-#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <signal.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <chrono>
 #include <filesystem>
 #include <fstream>
 #include <map>
 #include <sstream>
-#include <thread>
 
 #include "common/bus/lcm_bus.h"
 #include "common/bus/typed.h"
@@ -24,13 +19,13 @@
 #include "common/log/event_log.h"
 #include "common/net/private_network.h"
 #include "drivers/base/wire.h"
+#include "tests/system/live_program.h"
 
 namespace arpent {
 namespace {
 
 namespace fs = std::filesystem;
 using namespace std::chrono_literals;
-using Steady = std::chrono::steady_clock;
 using testing::HasSubstr;
 
 /// Raw pairs of 640x512 come to 0.66 MB each: a dozen of them.
@@ -48,37 +43,14 @@ class LiveMission : public testing::Test {
     fs::create_directories(out_);
   }
   ~LiveMission() override {
-    if (mission_ > 0) kill(mission_, SIGKILL);
+    mission_.end();
     fs::remove_all(out_);
   }
   void start(const std::vector<std::string>& arguments) {
     std::vector<std::string> words{ARPENT_BIN_DIR "/arpent-mission", ARPENT_SOURCE_DIR "/config/missions/square.yaml",
                                    "--live", "--out", out_.string()};
     words.insert(words.end(), arguments.begin(), arguments.end());
-    std::vector<char*> argv;
-    for (std::string& word : words) argv.push_back(word.data());
-    argv.push_back(nullptr);
-    mission_ = fork();
-    if (mission_ != 0) return;
-    const int said = open((out_ / "said").c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
-    dup2(said, STDOUT_FILENO);
-    dup2(said, STDERR_FILENO);
-    execv(argv[0], argv.data());
-    _exit(127);
-  }
-  template <class Done>
-  static bool wait_until(Done done, std::chrono::seconds limit) {
-    for (const auto until = Steady::now() + limit; Steady::now() < until; std::this_thread::sleep_for(50ms)) {
-      if (done()) return true;
-    }
-    return done();
-  }
-  /// Its exit code; -1 if it does not end.
-  int exit_code(std::chrono::seconds limit) {
-    int status = 0;
-    if (!wait_until([&] { return waitpid(mission_, &status, WNOHANG) == mission_; }, limit)) return -1;
-    mission_ = -1;
-    return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+    mission_.start(words);
   }
   std::string said() const {
     std::stringstream text;
@@ -115,14 +87,14 @@ class LiveMission : public testing::Test {
 
   fs::path out_ = fs::path(testing::TempDir()) /
                   (std::string("live_") + testing::UnitTest::GetInstance()->current_test_info()->name());
-  pid_t mission_ = -1;
+  LiveProgram mission_{out_ / "said"};
 };
 
 TEST_F(LiveMission, CtrlCEndsItInOrderAtAnyMoment) {
   start({});
   ASSERT_TRUE(wait_until([this] { return pairs_flow(); }, 60s)) << said();
-  kill(mission_, SIGINT);
-  EXPECT_EQ(exit_code(60s), 1) << said();
+  mission_.interrupt();
+  EXPECT_EQ(mission_.exit_code(60s), 1) << said();
   expect_log_of_a_robot_at_rest(8);
   EXPECT_GT(fs::file_size(out_ / "report.html"), 1000U);
   EXPECT_THAT(said(), HasSubstr("report"));
@@ -131,14 +103,14 @@ TEST_F(LiveMission, CtrlCEndsItInOrderAtAnyMoment) {
 
 TEST_F(LiveMission, ItsOwnLimitEndsItDisarmed) {
   start({"--sensing", "depth", "--set", "mission.max_time_s=3"});
-  EXPECT_EQ(exit_code(90s), 1) << said();
+  EXPECT_EQ(mission_.exit_code(90s), 1) << said();
   expect_log_of_a_robot_at_rest(0);
   EXPECT_THAT(said(), HasSubstr("max_time_s"));
 }
 
 TEST_F(LiveMission, WhatCannotRunIsSaidInOneLineBeforeAnythingStarts) {
   start({"--set", "start=9"});
-  EXPECT_EQ(exit_code(60s), 2);
+  EXPECT_EQ(mission_.exit_code(60s), 2);
   EXPECT_THAT(said(), HasSubstr("start 9"));
 }
 

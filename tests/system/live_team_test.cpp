@@ -4,10 +4,8 @@
 // `arpent mission --live --robots 2` as a user starts it: two robots and a centre as processes in networks of their
 // own, real links between them over a hub that loses and delays frames, in real time. What must come across comes
 // across, and the mission's own limit and Ctrl-C both end it in order.
-#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <signal.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -21,20 +19,19 @@
 #include <nlohmann/json.hpp>
 #include <set>
 #include <sstream>
-#include <thread>
 
 #include "common/bus/typed.h"
 #include "common/channels.h"
 #include "common/log/event_log.h"
 #include "common/net/tap_hub.h"
 #include "drivers/base/wire.h"
+#include "tests/system/live_program.h"
 
 namespace arpent {
 namespace {
 
 namespace fs = std::filesystem;
 using namespace std::chrono_literals;
-using Steady = std::chrono::steady_clock;
 using testing::HasSubstr;
 
 template <class Message>
@@ -57,7 +54,7 @@ class LiveTeam : public testing::Test {
     fs::create_directories(out_);
   }
   ~LiveTeam() override {
-    if (mission_ > 0) kill(mission_, SIGKILL);
+    mission_.end();
     fs::remove_all(out_);
   }
 
@@ -72,30 +69,7 @@ class LiveTeam : public testing::Test {
                                    "--out",
                                    out_.string()};
     words.insert(words.end(), arguments.begin(), arguments.end());
-    std::vector<char*> argv;
-    for (std::string& word : words) argv.push_back(word.data());
-    argv.push_back(nullptr);
-    mission_ = fork();
-    if (mission_ != 0) return;
-    const int said = open((out_ / "said").c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
-    dup2(said, STDOUT_FILENO);
-    dup2(said, STDERR_FILENO);
-    execv(argv[0], argv.data());
-    _exit(127);
-  }
-  template <class Done>
-  static bool wait_until(Done done, std::chrono::seconds limit) {
-    for (const auto until = Steady::now() + limit; Steady::now() < until; std::this_thread::sleep_for(50ms)) {
-      if (done()) return true;
-    }
-    return done();
-  }
-  /// Its exit code; -1 if it does not end.
-  int exit_code(std::chrono::seconds limit) {
-    int status = 0;
-    if (!wait_until([&] { return waitpid(mission_, &status, WNOHANG) == mission_; }, limit)) return -1;
-    mission_ = -1;
-    return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+    mission_.start(words);
   }
   [[nodiscard]] std::string text_of(const char* file) const {
     std::stringstream text;
@@ -148,13 +122,13 @@ class LiveTeam : public testing::Test {
 
   fs::path out_ = fs::path(testing::TempDir()) /
                   (std::string("live_team_") + testing::UnitTest::GetInstance()->current_test_info()->name());
-  pid_t mission_ = -1;
+  LiveProgram mission_{out_ / "said"};
 };
 
 TEST_F(LiveTeam, TwoRobotsExploreUnderOnePlan) {
   // From the outer two of the arena's starts: neither has to wait for the other before it can turn.
   start({"--set", "mission.max_time_s=20", "--set", "start=1"});
-  EXPECT_EQ(exit_code(170s), 1) << text_of("said");
+  EXPECT_EQ(mission_.exit_code(170s), 1) << text_of("said");
   for (const std::string name : {"R1", "R2"}) {
     const Heard robot = log_of(name);
     EXPECT_THAT(robot.tours_for, testing::Contains(name)) << "a tour came over the link";
@@ -183,8 +157,8 @@ TEST_F(LiveTeam, CtrlCEndsItInOrderAndADeadRobotHoldsNothingUp) {
       [this] { return text_of("launch.log").find("R2/mission_process ended with code 137") != std::string::npos; },
       120s))
       << text_of("said");
-  kill(mission_, SIGINT);
-  EXPECT_EQ(exit_code(90s), 1) << text_of("said");
+  mission_.interrupt();
+  EXPECT_EQ(mission_.exit_code(90s), 1) << text_of("said");
   expect_at_rest(log_of("R1"));
   EXPECT_GT(log_of("R2").count.at(channels::kTruthPose), 0);
   EXPECT_GT(log_of("centre").count.at(channels::kTeamState), 0);
@@ -193,7 +167,7 @@ TEST_F(LiveTeam, CtrlCEndsItInOrderAndADeadRobotHoldsNothingUp) {
 
 TEST_F(LiveTeam, MoreRobotsThanStartsIsOneErrorBeforeAnythingStarts) {
   start({}, 4);
-  EXPECT_EQ(exit_code(60s), 2);
+  EXPECT_EQ(mission_.exit_code(60s), 2);
   EXPECT_THAT(text_of("said"), HasSubstr("start 3"));
   EXPECT_FALSE(fs::exists(out_ / "launch.log"));
 }

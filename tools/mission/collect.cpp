@@ -13,17 +13,6 @@
 #include "tools/replay/compact.h"
 
 namespace arpent::tools {
-namespace {
-
-template <class Message, class Use>
-void decode(BytesView bytes, Use use) {
-  Message message;
-  std::string fault;
-  if (decode_guarded(bytes, message, fault)) use(message);
-}
-
-}  // namespace
-
 void MissionCollector::take(Time time, const std::string& channel, BytesView bytes) {
   if (log_ != nullptr) log_->write(time, channel, compact_for_log(channel, bytes));
   const std::int64_t utime = to_utime(time);

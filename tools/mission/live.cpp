@@ -19,10 +19,6 @@ namespace fs = std::filesystem;
 using Steady = std::chrono::steady_clock;
 using namespace std::chrono_literals;
 
-constexpr auto kComeUp = 30s;
-/// The mission's own limit ends it; this much later it is ended from outside.
-constexpr double kPatienceS = 30;
-
 volatile std::sig_atomic_t g_interrupted = 0;  // set by the signal handler only
 
 /// The run's processes, from their start to their end.

@@ -19,6 +19,11 @@
 
 namespace arpent::tools {
 
+/// For each robot: its processes, which load their worlds, have so long until all have been heard.
+inline constexpr std::chrono::seconds kComeUp{30};
+/// A mission's own limit ends it; this much later it is ended from outside.
+inline constexpr double kPatienceS = 30;
+
 /// What the running processes of a bus say.
 class Ear {
  public:

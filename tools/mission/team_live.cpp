@@ -28,11 +28,8 @@ namespace fs = std::filesystem;
 using Steady = std::chrono::steady_clock;
 using namespace std::chrono_literals;
 
-/// For each robot: all of them load their worlds at the same time.
-constexpr auto kComeUp = 30s;
 /// Some seconds as a rule; with much loss now and then half a minute.
 constexpr auto kMeet = 60s;
-constexpr double kPatienceS = 30;
 constexpr char kLink[] = "team_link_process";
 
 /// A folder for keys and sockets, gone with this.

@@ -29,13 +29,6 @@ constexpr std::array<std::pair<const char*, const char*>, 4> kSentAndReceived{
      {channels::kTour, channels::kTeamTour},
      {channels::kTourReport, channels::kTeamReport}}};
 
-template <class Message, class Use>
-void decode(BytesView bytes, Use use) {
-  Message message;
-  std::string fault;
-  if (decode_guarded(bytes, message, fault)) use(message);
-}
-
 }  // namespace
 
 MissionResult result_of_robot(const fs::path& raw_log, const MissionSpec& robot) {

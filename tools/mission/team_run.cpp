@@ -11,11 +11,10 @@
 #include "common/channels.h"
 #include "common/config/robot.h"
 #include "common/cpu_time.h"
-#include "common/ellipse.h"
 #include "common/error.h"
 #include "common/memory.h"
 #include "mapping/surface/mesh_extraction.h"
-#include "planning/local/obstacles.h"
+#include "tools/mission/encounters.h"
 #include "tools/mission/live.h"
 #include "tools/mission/lockstep.h"
 #include "tools/mission/team_live.h"
@@ -23,38 +22,6 @@
 
 namespace arpent::tools {
 namespace {
-
-/// Compares the robots' true poses of each moment.
-class EncounterWatch {
- public:
-  EncounterWatch(const RobotConfig& robot, TeamEncounters& encounters)
-      : robot_(robot), footprint_({robot.semi_axis_long_m, robot.semi_axis_short_m}), encounters_(encounters) {}
-
-  /// After each moment of the simulation.
-  void look(const std::vector<MissionResult>& robots) {
-    for (std::size_t a = 0; a < robots.size(); ++a) {
-      for (std::size_t b = a + 1; b < robots.size(); ++b) {
-        if (robots[a].truth.empty() || robots[b].truth.empty()) continue;
-        look(robots[a].truth.back(), robots[b].truth.back(), together_[{a, b}]);
-      }
-    }
-  }
-
- private:
-  void look(const evaluation::StampedPose& a, const evaluation::StampedPose& b, bool& together) {
-    if (a.stamp != b.stamp) return;
-    const Pose2 pa = to_pose2(a.T_ref_body), pb = to_pose2(b.T_ref_body);
-    encounters_.least_gap_m = std::min(encounters_.least_gap_m, planning::gap_m(footprint_, pa, pb));
-    const bool overlap = ellipses_overlap(robot_.semi_axis_long_m, robot_.semi_axis_short_m, pa, pb);
-    encounters_.overlaps += overlap && !together ? 1 : 0;
-    together = overlap;
-  }
-
-  RobotConfig robot_;
-  planning::Footprint footprint_;
-  TeamEncounters& encounters_;
-  std::map<std::pair<std::size_t, std::size_t>, bool> together_;
-};
 
 /// What one robot's bus says, into its log and result.
 struct Listener {
@@ -65,9 +32,7 @@ struct Listener {
 class TeamRun {
  public:
   TeamRun(const MissionSpec& spec, const MissionOptions& options)
-      : spec_(spec),
-        stack_(kStart, options.threads),
-        watch_(config::load<RobotConfig>(spec.robot), result_.encounters) {
+      : spec_(spec), deaths_(deaths(spec)), joins_(joins(spec)), stack_(kStart, options.threads) {
     result_.names = robot_names(spec);
     sims_.resize(result_.names.size());
     result_.robots.resize(result_.names.size());
@@ -78,7 +43,7 @@ class TeamRun {
     std::filesystem::create_directories(options.out / kCentre);
     centre_log_ = std::make_unique<LogWriter>(options.out / kCentre / "mission.lcmlog");
     centre_config_ = spec.centre;
-    if (!deaths(spec).empty()) {
+    if (!deaths_.empty()) {
       centre_config_.journal_file = options.out / kCentre / "journal.lcmlog";
       std::filesystem::remove(centre_config_.journal_file);
     }
@@ -89,10 +54,9 @@ class TeamRun {
   }
 
   TeamResult run(bool progress) {
-    const std::vector<TeamEvent> all_deaths = deaths(spec_), all_joins = joins(spec_);
     while (!all_ended() && !interrupted()) {
-      for (const TeamEvent& death : all_deaths) kill(death);
-      for (const TeamEvent& join : all_joins) admit(join);
+      for (const TeamEvent& death : deaths_) kill(death);
+      for (const TeamEvent& join : joins_) admit(join);
       stack_.executor().run_until(stack_.executor().now() + kStep);
       if (progress) show();
     }
@@ -115,8 +79,7 @@ class TeamRun {
   }
 
   [[nodiscard]] bool joins_late(const std::string& name) const {
-    const std::vector<TeamEvent> all = joins(spec_);
-    return std::any_of(all.begin(), all.end(), [&](const TeamEvent& join) { return join.who == name; });
+    return std::any_of(joins_.begin(), joins_.end(), [&](const TeamEvent& join) { return join.who == name; });
   }
 
   /// The robot's processes, and its order to start.
@@ -149,16 +112,11 @@ class TeamRun {
     }
     const auto robot = std::find(result_.names.begin(), result_.names.end(), bus) - result_.names.begin();
     listeners_[static_cast<std::size_t>(robot)].collector->take(time, name, bytes);
-    if (name == channels::kTruthPose) watch_.look(result_.robots);
-  }
-
-  [[nodiscard]] bool is_dead(const std::string& name) const {
-    return std::find(result_.died.begin(), result_.died.end(), name) != result_.died.end();
   }
 
   [[nodiscard]] bool all_ended() const {
     for (std::size_t i = 0; i < result_.names.size(); ++i) {
-      if (sims_[i] != nullptr && !is_dead(result_.names[i]) && !result_.robots[i].ended()) return false;
+      if (sims_[i] != nullptr && !killed_.contains(result_.names[i]) && !result_.robots[i].ended()) return false;
     }
     return true;
   }
@@ -204,14 +162,17 @@ class TeamRun {
     result_.centre = centre_->centre().status();
     result_.radio_bytes = radio_->bytes_by_channel();
     result_.processes = stack_.figures();
+    std::vector<evaluation::Trajectory> truths;
+    for (const MissionResult& robot : result_.robots) truths.push_back(robot.truth);
+    result_.encounters = encounters_of(config::load<RobotConfig>(spec_.robot), truths);
   }
 
   const MissionSpec& spec_;
+  std::vector<TeamEvent> deaths_, joins_;
   TeamResult result_;
   std::vector<Listener> listeners_;
   std::unique_ptr<LogWriter> centre_log_;
   LockstepStack stack_;
-  EncounterWatch watch_;
   std::vector<const SimProcess*> sims_;  ///< null: the robot has not joined
   CentreConfig centre_config_;
   std::set<std::string> killed_, admitted_;
@@ -224,7 +185,6 @@ class TeamRun {
 TeamResult run_team(const MissionSpec& spec, const MissionOptions& options) {
   if (spec.mission.kind != "explore") throw InputError("a team explores; mission.kind must be explore");
   if (options.live) return run_live_team(spec, options);
-  (void)joins(spec);
   keep_freed_memory();
   const double cpu_start = process_cpu_s();
   const auto wall_start = std::chrono::steady_clock::now();

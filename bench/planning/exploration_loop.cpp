@@ -143,7 +143,7 @@ class Loop {
     const Pose T_map_cam = pose_.to_pose() * T_body_cam();
     map_.integrate(camera_.look(T_map_cam), T_map_cam);
     targets_.update(map_);
-    result_.note_look_ms.push_back(cpu_ms([&] { targets_.note_look(map_, pose_); }));
+    result_.note_look_ms.push_back(cpu_ms([&] { targets_.note_looks(map_, {&pose_, 1}); }));
     grid_.update(map_);
     low_level_.set_incomplete(incomplete());
     result_.time_s += kPeriodS;

@@ -78,10 +78,11 @@ LowLevelOutput LowLevelPlanner::step(const LowLevelInput& input) {
     driving_.reset();
   } else {
     if (driving_) drive(input, output);
-    if (!driving_ && waiting_for_ == ReplanReason::kNone) begin_next_leg(input, output);
+    // Where a target is reached there is something to look at first.
+    if (!driving_ && !output.visited && waiting_for_ == ReplanReason::kNone) begin_next_leg(input, output);
   }
   output.replan = waiting_for_;
-  if (output.order != DriveOrder::kFollow && !driving_ && (was_driving || !standing_)) {
+  if (output.order != DriveOrder::kFollow && !output.visited && !driving_ && (was_driving || !standing_)) {
     // An arrived robot stands by itself; to say it again does no harm.
     output.order = DriveOrder::kStop;
   }

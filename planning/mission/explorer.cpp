@@ -26,6 +26,8 @@ constexpr int kRecoveriesPerPlace = 2;
 /// Turning about in less than half turns, so that the tracker knows which way round.
 constexpr int kLookAroundTurns = 3;
 constexpr int kLastChances = 3;
+/// Standing for so long with something left to do, and no way out found, is the end.
+constexpr Duration kHelplessAfter = std::chrono::seconds(30);
 /// A tour that teammates keep a robot from is tried again so often, so much later each time.
 constexpr int kRetries = 5;
 constexpr Duration kRetryAfter = std::chrono::milliseconds(800);
@@ -40,7 +42,6 @@ struct Explorer::State {
     std::vector<Pose2> bodies;
     TrafficAdvice advice = TrafficAdvice::kGo;
     std::vector<TargetEvent> events;
-    std::optional<Pose2> last_visit;
     Time retried_at{};
     int retries = 0;  ///< in a row, of a tour that teammates keep it from
   };
@@ -62,6 +63,7 @@ struct Explorer::State {
 
   /// A tour that is thought out but not yet in force.
   struct Pending {
+    Time begun;
     Time from;
     PlannedTour tour;
   };
@@ -76,8 +78,14 @@ struct Explorer::State {
     int images = 0;
   };
   std::optional<Dwell> dwell;
+  struct Visit {
+    Pose2 pose;
+    Time at;
+  };
+  std::optional<Visit> last_visit;  ///< where all looks were taken
   Time moved_at{};
   Pose2 moved_from;
+  std::optional<Time> helpless_since;  ///< no target was reachable, and it has not moved since
 
   State(const ExplorerParams& p, const LevelCamera& camera)
       : params(p),
@@ -90,7 +98,7 @@ struct Explorer::State {
   void integrate(const stereo::DepthMap& depth, const Pose& T_map_cam, const Pose2& body) {
     if (!map.integrate(depth, T_map_cam)) return;
     targets.update(map);
-    if (!params.led) targets.note_look(map, body);
+    if (!params.led) targets.note_looks(map, {&body, 1});
     grid.update(map);
     trail.add(body);
     if (dwell) ++dwell->images;
@@ -114,7 +122,7 @@ struct Explorer::State {
 
   ExplorerOrder step(Time now, const Pose2& pose, bool arrived, bool blocked) {
     note_motion(now, pose);
-    if (status.done) return {};
+    if (status.done || status.boxed_in) return {};
     if (pending && now >= pending->from) adopt(now);
     drop_completed();
     if (dwell && !is_complete(dwell->viewpoint) &&
@@ -122,7 +130,7 @@ struct Explorer::State {
       status.activity = "looking";
       return {};
     }
-    if (dwell && dwell->images >= dwell->viewpoint.looks) note_visit(dwell->viewpoint);
+    if (dwell && dwell->images >= dwell->viewpoint.looks) note_visit(dwell->viewpoint, now);
     dwell.reset();
     if (blocked) {
       status.activity = "waiting: something is in the way";
@@ -132,13 +140,17 @@ struct Explorer::State {
     if (recovering && arrived && !pieces.empty()) return next_piece();
     recovering = false;
     const Ground ground = ground_now(pose);
-    const LowLevelOutput output = low_level.step({ground, grid, pose, team.advice});
+    LowLevelOutput output = low_level.step({ground, grid, pose, team.advice});
+    if (output.visited) {
+      begin_dwell(*output.visited);
+      if (dwell) return {};
+      output = low_level.step({ground, grid, pose, team.advice});
+    }
     if (params.led) note_skipped(output);
     const bool stale = now - adopted_at > from_seconds(params.replan_s);
     if (!pending && (output.replan != ReplanReason::kNone || stale)) plan(now, ground, pose, output.replan);
-    if (status.done) return {ExplorerOrder::Kind::kStop, {}};
+    if (status.done || status.boxed_in) return {ExplorerOrder::Kind::kStop, {}};
     if (recovering) return next_piece();
-    if (output.visited) begin_dwell(*output.visited);
     if (output.order == DriveOrder::kGoOn && low_level.target() && now - moved_at > from_seconds(params.stuck_s)) {
       return get_unstuck(now, ground, pose);
     }
@@ -151,6 +163,7 @@ struct Explorer::State {
     if (!moved && moved_at != Time{}) return;
     moved_at = now;
     moved_from = pose;
+    helpless_since.reset();
   }
 
   /// The tour goes on without the targets that were completed on the way to others.
@@ -170,6 +183,10 @@ struct Explorer::State {
     if (!params.led || !pending->tour.tour.targets.empty()) adopted_at = now;
     viewpoints = std::move(pending->tour.viewpoints);
     tour = std::move(pending->tour.tour);
+    if (last_visit && last_visit->at >= pending->begun) {
+      // It was thought out while the robot looked from there.
+      std::erase_if(tour.targets, [&](const TourTarget& t) { return same_goal(t.pose, last_visit->pose); });
+    }
     low_level.set_tour(tour);
     low_level.set_incomplete(voxels());
     pending.reset();
@@ -191,6 +208,12 @@ struct Explorer::State {
         // Boxed in by ground that it has not seen, a robot assumes once more what it assumed at the start.
         if (assume_free(pose)) return;
       }
+      if (recover_by_the_way_it_came(now, ground, pose)) return;
+    }
+    if (is_helpless(now, reason)) {
+      status.boxed_in = true;
+      status.activity = "boxed in: there is no way out of where it stands";
+      return;
     }
     if (found.clusters.empty()) {
       status.done = true;
@@ -203,7 +226,7 @@ struct Explorer::State {
                                     {params.nominal_speed_mps, params.nominal_turn_rate_radps, params.visit_s});
     if (committed) put_first(*committed, planned);
     status.left_s = planned.completion_s;
-    pending = Pending{now + from_seconds(params.plan_latency_s), std::move(planned)};
+    pending = Pending{now, now + from_seconds(params.plan_latency_s), std::move(planned)};
   }
 
   /// Places where the robot can turn come first; then any; then also those to which no leg was found once.
@@ -312,12 +335,12 @@ struct Explorer::State {
   }
 
   /// Puts the recovery, if there is one and it has not failed here before, in the place of the leg.
-  bool recover(Time now, const Pose2& pose, const std::optional<Recovery>& recovery) {
+  bool recover(Time now, const Pose2& pose, const std::optional<Recovery>& recovery, int most = kRecoveriesPerPlace) {
     const auto here = std::count_if(recovered_at.begin(), recovered_at.end(), [&](const Pose2& before) {
       return (before.position_m() - pose.position_m()).norm() < 0.1 &&
              std::abs(wrap_angle(before.yaw_rad - pose.yaw_rad)) < 0.3;
     });
-    if (!recovery || here >= kRecoveriesPerPlace) return false;
+    if (!recovery || here >= most) return false;
     recovered_at.push_back(pose);
     ++status.recoveries;
     status.activity = "getting out of where it is boxed in";
@@ -325,6 +348,21 @@ struct Explorer::State {
     recovering = true;
     moved_at = now;
     return true;
+  }
+
+  bool is_helpless(Time now, ReplanReason reason) {
+    if (reason != ReplanReason::kNothingReachable) return false;
+    helpless_since = helpless_since.value_or(now);
+    return now - *helpless_since > kHelplessAfter;
+  }
+
+  /// The last resort, once per place: back to where it was a moment ago, though the map has something there now. The
+  /// guard that stops it for what it sees is still awake.
+  bool recover_by_the_way_it_came(Time now, const Ground& ground, const Pose2& pose) {
+    if (now - moved_at < from_seconds(params.stuck_s)) return false;
+    RecoveryParams bold = params.recovery;
+    bold.max_deeper_m += params.footprint_margin_m + params.grid.cell_m;
+    return recover(now, pose, back_off(ground, pose, trail, kBackOffM, bold), kRecoveriesPerPlace + 1);
   }
 
   // In a team.
@@ -335,11 +373,11 @@ struct Explorer::State {
                               params.body_gap_m, pose);
   }
 
-  void note_visit(const Viewpoint& viewpoint) {
+  void note_visit(const Viewpoint& viewpoint, Time now) {
     targets.note_visit(map, viewpoint);
+    last_visit = Visit{viewpoint.pose, now};
     if (!params.led) return;
     team.events.push_back({TargetEvent::Kind::kVisited, viewpoint.pose});
-    team.last_visit = viewpoint.pose;
   }
 
   /// What no way leads to is left out of the tour and reported, unless teammates may be what is in the way.
@@ -389,13 +427,13 @@ struct Explorer::State {
       const Pose2& at = planned.viewpoints[i].pose;
       const bool now_there = (committed && same_goal(at, committed->pose)) ||
                              (dwell && same_goal(at, dwell->viewpoint.pose)) ||
-                             (team.last_visit && same_goal(at, *team.last_visit));
+                             (last_visit && same_goal(at, last_visit->pose));
       if (!now_there) planned.tour.targets.push_back({static_cast<std::int64_t>(i), at});
     }
     if (committed) put_first(*committed, planned);
     status.clusters = static_cast<int>(planned.tour.targets.size());
     ++status.tours;
-    pending = Pending{now, std::move(planned)};
+    pending = Pending{now, now, std::move(planned)};
   }
 
   bool step_aside(Time now, const Pose2& pose, const Pose2& teammate, const Pose2& its_target, double clear_m) {

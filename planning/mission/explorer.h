@@ -105,6 +105,7 @@ struct ExplorerStatus {
   int recoveries = 0;             ///< ways out of where it was stuck or boxed in
   int assumed_free = 0;           ///< how often the robot was boxed in by unknown ground and assumed it to be free
   bool done = false;
+  bool boxed_in = false;  ///< the end as well: something is left, but the robot cannot get away from where it stands
   std::string activity;
 };
 

@@ -34,10 +34,10 @@ class LoopTask : public Task {
   }
 
   [[nodiscard]] TaskProgress progress(const DriveState& drive) const override {
-    if (done_) return {1, 0, "the loop is driven", true};
-    if (!driving_) return {0, -1, "waiting for the path", false};
+    if (done_) return {1, 0, "the loop is driven", true, {}};
+    if (!driving_) return {0, -1, "waiting for the path", false, {}};
     const double whole_m = length_m(ordered_);
-    return {1 - drive.remaining_m / whole_m, drive.remaining_m / kNominalSpeedMps, "driving the loop", false};
+    return {1 - drive.remaining_m / whole_m, drive.remaining_m / kNominalSpeedMps, "driving the loop", false, {}};
   }
 
  private:
@@ -85,7 +85,8 @@ void ExploreTask::resume(const Pose2& /*pose*/, const DriveState& /*drive*/) {
 TaskProgress ExploreTask::progress(const DriveState& /*drive*/) const {
   const ExplorerStatus& status = explorer_.status();
   const double open = static_cast<double>(status.elements), ever = static_cast<double>(status.elements_ever);
-  TaskProgress progress{ever > 0 ? 1 - open / ever : 0, status.left_s, status.activity, status.done};
+  TaskProgress progress{ever > 0 ? 1 - open / ever : 0, status.left_s, status.activity, status.done, {}};
+  if (status.boxed_in) progress.failure = status.activity;
   progress.activity += ", " + std::to_string(status.elements) + " elements open";
   return progress;
 }

@@ -35,6 +35,7 @@ struct TaskProgress {
   double left_s = -1;  ///< negative: unknown
   std::string activity;
   bool done = false;
+  std::string failure;  ///< why it cannot go on; empty if it can
 };
 
 class Task {

@@ -20,7 +20,8 @@ namespace arpent::planning {
 /// How clusters are put in order.
 struct TourParams {
   std::string objective = "time";
-  tour::TimedParams time;
+  /// Small remains may go away by themselves, seen on the way to others: here the end of the tour counts for less.
+  tour::TimedParams time{.completion_weight = 0.3};
   tour::UtilityParams utility;
   tour::SolverParams solver;
 

@@ -234,8 +234,14 @@ struct MissionProcess::State {
     if (life.state() != MissionState::kRunning || !pose) return;
     const auto request = task->step(clock.now(), to_pose2(pose->T_frame_body), drive_state(), blocked);
     if (request) order(*request);
-    if (!task->progress(drive_state()).done) return;
-    life.finish();
+    const planning::TaskProgress progress = task->progress(drive_state());
+    if (!progress.failure.empty()) {
+      life.abort(progress.failure);
+    } else if (progress.done) {
+      life.finish();
+    } else {
+      return;
+    }
     stop();
     report();
   }
@@ -282,13 +288,14 @@ struct MissionProcess::State {
     context.map_frame = config.map_frame;
     context.voxel_m = config.explore.tsdf.voxel_m;
     context.known_weight = config.explore.tsdf.known_weight;
-    context.give_up_factor = config.explore.viewpoints.give_up_factor;
-    context.least_piece_m = config.explore.viewpoints.least_piece_m;
+    const planning::ViewpointParams& viewpoints = config.explore.viewpoints;
+    context.give_up_factor = std::min(viewpoints.give_up_factor, viewpoints.blank_factor);
+    context.least_piece_m = viewpoints.least_piece_m;
     context.start = *begun;
     context.semi_long_m = config.explore.footprint.semi_axis_long_m;
     context.semi_short_m = config.explore.footprint.semi_axis_short_m;
     context.camera = eyes->camera;
-    context.lattice_m = config.explore.viewpoints.lattice_m;
+    context.lattice_m = viewpoints.lattice_m;
     auto certification = explore->explorer().certify(to_pose2(pose->T_frame_body));
     context.poses = std::move(certification.poses);
     planning::write_certificates(config.certificate_file, context, certification.certificates);

@@ -116,7 +116,7 @@ struct Centre::State {
     auto fused = mapping::fuse(map, patch);
     if (!fused) return fused;
     targets.update(map);
-    for (const Pose2& at : patch.bodies) targets.note_look(map, at);
+    targets.note_looks(map, patch.bodies);
     ++status.patches;
     Member& member = members[patch.source];
     ++member.patches;

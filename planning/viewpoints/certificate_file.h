@@ -20,7 +20,7 @@ struct CertificateContext {
   std::string map_frame = "world";
   double voxel_m = 0.1;
   double known_weight = 0.3;    ///< W_th
-  double give_up_factor = 4.0;  ///< looks worth this many W_th were enough (ViewpointParams)
+  double give_up_factor = 4.0;  ///< looks worth this many W_th were enough: the lesser of the two of ViewpointParams
   double least_piece_m = 0;     ///< smaller pieces of incomplete surface were left (ViewpointParams)
   Pose2 start = {};             ///< of the mission, map frame
   double semi_long_m = 0.55, semi_short_m = 0.25;

@@ -31,8 +31,6 @@ constexpr std::array<Round, 3> kRounds = {{{1, pi / 3, 8, 1, false}, {3, pi / 3,
 constexpr double kTourMinima = 10;
 /// Elements near the floor are measured from close by only: so near may the camera go.
 constexpr double kNearestM = 0.7;
-/// Beside delta_pose, a stand-off this much farther, from which more elements are in view.
-constexpr double kFartherM = 0.8;
 
 /// A pose of the lattice, by counts of its steps.
 struct Node {

@@ -13,6 +13,9 @@
 
 namespace arpent::planning {
 
+/// Beside delta_pose, a stand-off this much farther, from which more elements are in view.
+constexpr double kFartherM = 0.8;
+
 struct Cover {
   /// Each element is listed by the viewpoints that complete its unknown voxels. In the order in which they were chosen:
   /// the first one completes most.

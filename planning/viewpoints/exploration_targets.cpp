@@ -22,6 +22,8 @@ using mapping::UnknownRule;
 constexpr double kAnyReachM = std::numeric_limits<double>::infinity();
 /// A look is taken at a viewpoint if it is within so much of its heading.
 constexpr double kAtHeadingRad = 0.26;
+/// A few looks from close by are not enough to give a voxel up: one picture may be blurred.
+constexpr double kLeastBlankLooks = 4;
 /// Viewpoints that complete nothing in two visits will not in a third.
 constexpr int kVisits = 2;
 
@@ -63,14 +65,21 @@ void add_attempt(std::vector<Viewpoint>& attempts, const Sight& sight, std::uint
   for (const Pose2& pose : poses) attempts.push_back({pose, {voxel}, looks});
 }
 
-/// With a flag for each element of a piece that is too small to go for; empty if none is.
+/// With a flag for each element of a piece that is too small to go for; empty if none is. What is given up does not
+/// make the piece beside it larger.
 Skipped small_pieces(const Sight& sight, const ViewpointParams& params) {
   if (params.preset == "thesis" || params.least_piece_m <= 0) return {};
-  Skipped small;
+  std::vector<std::size_t> open;
   std::vector<VoxelIndex> voxels;
-  for (const auto& element : sight.elements()) voxels.push_back(element.voxel);
-  for (const std::size_t size : piece_sizes(voxels)) {
-    small.push_back(static_cast<double>(size) * sight.voxel_m() < params.least_piece_m ? 1 : 0);
+  for (std::size_t i = 0; i < sight.elements().size(); ++i) {
+    if (sight.is_given_up(i)) continue;
+    open.push_back(i);
+    voxels.push_back(sight.elements()[i].voxel);
+  }
+  Skipped small(sight.elements().size());
+  const std::vector<std::size_t> sizes = piece_sizes(voxels);
+  for (std::size_t k = 0; k < open.size(); ++k) {
+    small[open[k]] = static_cast<double>(sizes[k]) * sight.voxel_m() < params.least_piece_m ? 1 : 0;
   }
   return small;
 }
@@ -134,18 +143,27 @@ std::size_t common_count(const std::vector<VoxelIndex>& a, const std::vector<Vox
 
 }  // namespace
 
+/// Looks at a voxel that is still unknown, in weights of W_th.
+struct InVain {
+  double promised = 0;         ///< by looks that should have measured it
+  double blank = 0;            ///< of looks that show it but said nothing, in a row
+  double missing_weight = -1;  ///< after the last look; negative before the first
+};
+
 struct ExplorationTargets::State {
   ViewpointParams params;
   LevelCamera camera;
   mapping::IncompleteSurface surface;
-  /// What looks promised to voxels that are still unknown, in weights of W_th.
-  std::unordered_map<VoxelIndex, double, mapping::BlockHash> promised;
+  std::unordered_map<VoxelIndex, InVain, mapping::BlockHash> in_vain;
   VoxelSet given_up;
   /// How often an element was still incomplete after all looks of a viewpoint meant for it.
   std::unordered_map<VoxelIndex, int, mapping::BlockHash> visits;
   std::vector<Cluster> last;
   int next_id = 0;
 
+  /// `blank`: the newest looks said nothing of it.
+  void add_look(InVain& sum, const Sight& sight, const CameraView& view, const UnknownVoxel& unknown, bool meant,
+                bool blank) const;
   void keep_ids(std::vector<Cluster>& clusters);
   /// Unknown voxels for which the last plan has a viewpoint at this pose.
   [[nodiscard]] VoxelSet meant_from(const TsdfMap& map, const Pose2& pose) const;
@@ -173,19 +191,25 @@ void ExplorationTargets::update(const TsdfMap& map) {
   state_->surface.update(map);
 }
 
-void ExplorationTargets::note_look(const TsdfMap& map, const Pose2& pose) {
-  const Sight sight(state_->camera, state_->surface, map);
-  const CameraView view(state_->camera, pose);
-  const VoxelSet meant = state_->meant_from(map, pose);
-  const bool literal = state_->params.preset == "thesis";
+void ExplorationTargets::note_looks(const TsdfMap& map, std::span<const Pose2> poses) {
+  const Sight sight(state_->camera, state_->surface, map, state_->given_up);
+  std::vector<CameraView> views;
+  std::vector<VoxelSet> meant;
+  for (const Pose2& pose : poses) {
+    views.emplace_back(state_->camera, pose);
+    meant.push_back(state_->meant_from(map, pose));
+  }
   for (const UnknownVoxel& unknown : sight.unknowns()) {
-    const bool sure = sight.measures(view, unknown) && sight.shows(view, unknown, state_->params.unknown_reach_m);
-    const bool tried = meant.contains(unknown.voxel) && (literal || sight.shows(view, unknown, kAnyReachM));
-    if (!sure && !tried) continue;
-    const double weight = 1 / (unknown.centre_m - view.position_m()).squaredNorm();
-    double& promised = state_->promised[unknown.voxel];
-    promised += weight / map.params().known_weight;
-    if (promised >= state_->params.give_up_factor) state_->given_up.insert(unknown.voxel);
+    if (unknown.given_up) continue;
+    InVain& in_vain = state_->in_vain[unknown.voxel];
+    const bool fresh = in_vain.missing_weight<0, grew = in_vain.missing_weight> unknown.missing_weight;
+    in_vain.missing_weight = unknown.missing_weight;
+    if (grew) in_vain.blank = 0;
+    for (std::size_t i = 0; i < views.size(); ++i) {
+      state_->add_look(in_vain, sight, views[i], unknown, meant[i].contains(unknown.voxel), !fresh && !grew);
+    }
+    if (in_vain.promised >= state_->params.give_up_factor || in_vain.blank >= state_->params.blank_factor)
+      state_->given_up.insert(unknown.voxel);
   }
 }
 
@@ -227,6 +251,19 @@ Targets ExplorationTargets::plan(const TsdfMap& map, const FreeSpace& free_space
   targets.clusters = make_clusters(cover.viewpoints, partition, sight, params);
   state_->keep_ids(targets.clusters);
   return targets;
+}
+
+void ExplorationTargets::State::add_look(InVain& sum, const Sight& sight, const CameraView& view,
+                                         const UnknownVoxel& unknown, bool meant, bool blank) const {
+  const bool shown = sight.shows(view, unknown, kAnyReachM);
+  const double weight = 1 / ((unknown.centre_m - view.position_m()).squaredNorm() * sight.known_weight());
+  const bool sure = shown && sight.measures(view, unknown) && sight.shows(view, unknown, params.unknown_reach_m);
+  const bool tried = meant && (shown || params.preset == "thesis");
+  if (sure || tried) sum.promised += weight;
+  // Many a wall cannot be measured from afar and can from where its viewpoint would be.
+  const double near_m = stand_off_m(camera, params.delta_pose_m, unknown.centre_m.z()) + kFartherM;
+  if (shown && blank && view.depth_m(unknown.centre_m) <= near_m)
+    sum.blank += std::min(weight, params.blank_factor / kLeastBlankLooks);
 }
 
 VoxelSet ExplorationTargets::State::meant_from(const TsdfMap& map, const Pose2& pose) const {

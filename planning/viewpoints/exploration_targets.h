@@ -9,6 +9,7 @@
 #include <Eigen/Geometry>
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "mapping/surface/incomplete_surface.h"
@@ -50,11 +51,12 @@ class ExplorationTargets {
   /// `planning`, ise.update_ms).
   void update(const mapping::TsdfMap& map);
 
-  /// Notes that a depth image taken at `pose` is in the map (after update()). Voxels that stay unknown though looks
-  /// that should have measured them, or were taken at the viewpoints meant for them, add up to give_up_factor times
-  /// W_th, are given up: below the sensing limit. Without this, what the camera cannot measure would be visited for
-  /// ever.
-  void note_look(const mapping::TsdfMap& map, const Pose2& pose);
+  /// Notes that depth images taken at `poses` are in the map (after update()), and no others since the last call. A
+  /// voxel that stays unknown is given up, as below the sensing limit, when looks worth give_up_factor times W_th were
+  /// in vain: they should have measured it, or were taken at viewpoints meant for it, or showed it from near, nothing
+  /// in the way, and said nothing of it. (Before the sky there is no depth: the rims of what stands before it would be
+  /// visited for ever.)
+  void note_looks(const mapping::TsdfMap& map, std::span<const Pose2> poses);
 
   /// Notes that all looks which `viewpoint` is meant for were taken there. Elements that are still incomplete after a
   /// second time are given up: below the sensing limit, whatever was promised.

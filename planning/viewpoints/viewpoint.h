@@ -50,6 +50,7 @@ struct ViewpointParams {
   double min_viewpoint_m2 = 0.6;
   double least_piece_m = 2.0;
   double give_up_factor = 4.0;
+  double blank_factor = 1.0;
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visitor) {
@@ -89,6 +90,9 @@ struct ViewpointParams {
         config::at_least(0.0));
     visitor.field("give_up_factor", self.give_up_factor,
                   "a voxel that stays unknown after looks worth this many times W_th is below the sensing limit",
+                  config::at_least(1.0));
+    visitor.field("blank_factor", self.blank_factor,
+                  "the same for looks in a row that show the voxel, nothing in the way, and say nothing of it",
                   config::at_least(1.0));
   }
 };

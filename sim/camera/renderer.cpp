@@ -164,13 +164,17 @@ int group_of(const View& view, int facet) {
   return 2 * (bodies_after + hit.group) + (hit.sharp ? 1 : 0);
 }
 
-/// A packet is a block of 4 x 2 pixels.
-void trace_centres(const View& view, const CameraModel& camera, Buffers& buffers) {
+using Pixels = std::array<int, kLanes>;
+
+/// Calls with the columns, the rows and what their centres hit, for blocks of 4 x 2 pixels. Lanes beyond the border
+/// repeat the last pixel.
+template <class Take>
+void for_each_packet(const View& view, const CameraModel& camera, Take take) {
   const int width = camera.width_px(), height = camera.height_px();
-  Lanes x, y, radiance;
+  Lanes x, y;
   for (int v0 = 0; v0 < height; v0 += 2) {
     for (int u0 = 0; u0 < width; u0 += 4) {
-      std::array<int, kLanes> us, vs;
+      Pixels us, vs;
       for (std::size_t i = 0; i < kLanes; ++i) {
         us[i] = std::min(u0 + static_cast<int>(i % 4), width - 1);
         vs[i] = std::min(v0 + static_cast<int>(i / 4), height - 1);
@@ -181,17 +185,29 @@ void trace_centres(const View& view, const CameraModel& camera, Buffers& buffers
       }
       RayPacket packet = make_packet(view, x, y);
       trace(view, packet);
-      shade(view, packet, 1, radiance);
-      // Lanes beyond the border repeat the last pixel and write the same once more.
-      for (std::size_t i = 0; i < kLanes; ++i) {
-        buffers.radiance(vs[i], us[i]) = radiance[i];
-        buffers.depth_m(vs[i], us[i]) = packet.facet[i] == kNothing ? 0.0F : packet.t[i];
-        buffers.group(vs[i], us[i]) = i > 0 && packet.facet[i] == packet.facet[i - 1]
-                                          ? buffers.group(vs[i - 1], us[i - 1])
-                                          : group_of(view, packet.facet[i]);
-      }
+      take(us, vs, packet);
     }
   }
+}
+
+void take_depth(const Pixels& us, const Pixels& vs, const RayPacket& packet, cv::Mat1f& depth_m) {
+  for (std::size_t i = 0; i < kLanes; ++i) {
+    depth_m(vs[i], us[i]) = packet.facet[i] == kNothing ? 0.0F : packet.t[i];
+  }
+}
+
+void trace_centres(const View& view, const CameraModel& camera, Buffers& buffers) {
+  for_each_packet(view, camera, [&](const Pixels& us, const Pixels& vs, const RayPacket& packet) {
+    Lanes radiance;
+    shade(view, packet, 1, radiance);
+    take_depth(us, vs, packet, buffers.depth_m);
+    for (std::size_t i = 0; i < kLanes; ++i) {
+      buffers.radiance(vs[i], us[i]) = radiance[i];
+      buffers.group(vs[i], us[i]) = i > 0 && packet.facet[i] == packet.facet[i - 1]
+                                        ? buffers.group(vs[i - 1], us[i - 1])
+                                        : group_of(view, packet.facet[i]);
+    }
+  });
 }
 
 /// Eight rays within the pixel instead of one.
@@ -258,14 +274,27 @@ Renderer::~Renderer() = default;
 Renderer::Renderer(Renderer&&) noexcept = default;
 Renderer& Renderer::operator=(Renderer&&) noexcept = default;
 
+namespace {
+
+SurfaceMesh mesh_of(std::span<const Body> bodies) {
+  SurfaceMesh mesh;
+  for (const Body& body : bodies) add_robot(mesh, body.T_world_body);
+  return mesh;
+}
+
+/// None for no bodies. Their facets are numbered after those of the world.
+std::unique_ptr<const Tracer> trace_bodies(const SurfaceMesh& bodies, const SurfaceMesh& world) {
+  if (bodies.facets.empty()) return nullptr;
+  return std::make_unique<const Tracer>(bodies, static_cast<int>(world.facets.size()));
+}
+
+}  // namespace
+
 CameraImage Renderer::render(const CameraModel& camera, const Pose& T_world_cam, const CameraShot& shot,
                              std::span<const Body> bodies) const {
-  SurfaceMesh body_mesh;
-  for (const Body& body : bodies) add_robot(body_mesh, body.T_world_body);
+  const SurfaceMesh body_mesh = mesh_of(bodies);
   const LightMap body_light = scene_->baker.bake_body(body_mesh);
-  std::unique_ptr<const Tracer> body_tracer;
-  if (!bodies.empty())
-    body_tracer = std::make_unique<const Tracer>(body_mesh, static_cast<int>(scene_->mesh.facets.size()));
+  const std::unique_ptr<const Tracer> body_tracer = trace_bodies(body_mesh, scene_->mesh);
   View view;
   view.world_tracer = &scene_->tracer;
   view.body_tracer = body_tracer.get();
@@ -279,6 +308,20 @@ CameraImage Renderer::render(const CameraModel& camera, const Pose& T_world_cam,
   trace_centres(view, camera, buffers);
   refine_edges(view, camera, buffers);
   return {camera.expose(buffers.radiance, buffers.depth_m, shot), buffers.depth_m};
+}
+
+cv::Mat1f Renderer::depth_m(const CameraModel& camera, const Pose& T_world_cam, std::span<const Body> bodies) const {
+  const std::unique_ptr<const Tracer> body_tracer = trace_bodies(mesh_of(bodies), scene_->mesh);
+  View view;
+  view.world_tracer = &scene_->tracer;
+  view.body_tracer = body_tracer.get();
+  view.R_world_cam = T_world_cam.linear().cast<float>();
+  view.origin_m = T_world_cam.translation().cast<float>();
+  cv::Mat1f depth_m(camera.height_px(), camera.width_px());
+  for_each_packet(view, camera, [&](const Pixels& us, const Pixels& vs, const RayPacket& packet) {
+    take_depth(us, vs, packet, depth_m);
+  });
+  return depth_m;
 }
 
 std::optional<double> Renderer::irradiance(const Eigen::Vector3d& from_m, const Eigen::Vector3d& direction) const {

@@ -36,6 +36,10 @@ class Renderer {
   [[nodiscard]] CameraImage render(const CameraModel& camera, const Pose& T_world_cam, const CameraShot& shot,
                                    std::span<const Body> bodies = {}) const;
 
+  /// The depth of render() alone, without what it takes to make a picture.
+  [[nodiscard]] cv::Mat1f depth_m(const CameraModel& camera, const Pose& T_world_cam,
+                                  std::span<const Body> bodies = {}) const;
+
   /// Light that falls on the world's surface at the end of a ray from `from_m`, in units of Lighting::mean; nullopt if
   /// the ray hits nothing.
   [[nodiscard]] std::optional<double> irradiance(const Eigen::Vector3d& from_m, const Eigen::Vector3d& direction) const;

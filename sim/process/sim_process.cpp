@@ -228,7 +228,8 @@ struct SimProcess::State {
     noise.focal_px = camera.fx_px;
     noise.baseline_m = rig.calibration.T_right_left.translation().norm();
     noise.min_range_m = rig.config.min_range_m;
-    const cv::Mat1f exact_m = take(left, rig.calibration.T_body_left, 0).depth_m;
+    const Pose T_world_left = robot.pose().to_pose() * rig.calibration.T_body_left;
+    const cv::Mat1f exact_m = renderer.depth_m(left, T_world_left, bodies());
     const sim::NoisyDepth noisy =
         sim::sense_depth(exact_m, noise, seed_of(config.seed, 16 + static_cast<std::uint64_t>(pair)));
     transfer(channels::kDepth, sim::to_wire(now, pair, camera, noisy.depth_m, noisy.sigma_m));

@@ -16,10 +16,10 @@ namespace arpent::sim {
 
 /// About what the odometry shows on rendered drives (bench `square`).
 struct OdometryNoise {
-  double scale = 0.003;
-  double translation_m_per_sqrt_m = 0.004;
-  double rotation_rad_per_sqrt_rad = 0.003;
-  double rotation_rad_per_sqrt_m = 0.001;
+  double scale = 0.002;
+  double translation_m_per_sqrt_m = 0.002;
+  double rotation_rad_per_sqrt_rad = 0.001;
+  double rotation_rad_per_sqrt_m = 0.0005;
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visitor) {

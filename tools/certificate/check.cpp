@@ -57,13 +57,21 @@ double weight_of_looks(const planning::LevelCamera& camera, const CertificateEvi
   return sum;
 }
 
-/// For each element the length of its piece, taken as a line of voxels [m].
+/// For each element the length of its piece, taken as a line of voxels [m]: of what was left because it is small, or
+/// could be completed. Zero for the others, each of which has a reason of its own.
 std::vector<double> piece_lengths_m(const planning::CertificateFile& file) {
   std::vector<planning::VoxelIndex> voxels;
-  for (const CertifiedElement& element : file.elements) voxels.push_back(element.voxel);
-  std::vector<double> lengths_m;
-  for (const std::size_t size : planning::piece_sizes(voxels)) {
-    lengths_m.push_back(static_cast<double>(size) * file.context.voxel_m);
+  std::vector<std::size_t> which;
+  for (std::size_t i = 0; i < file.elements.size(); ++i) {
+    const CertifiedElement& element = file.elements[i];
+    if (!element.small_piece && element.verdict != Verdict::kCompletable) continue;
+    voxels.push_back(element.voxel);
+    which.push_back(i);
+  }
+  std::vector<double> lengths_m(file.elements.size(), 0.0);
+  const std::vector<std::size_t> sizes = planning::piece_sizes(voxels);
+  for (std::size_t k = 0; k < which.size(); ++k) {
+    lengths_m[which[k]] = static_cast<double>(sizes[k]) * file.context.voxel_m;
   }
   return lengths_m;
 }

@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include <map>
 #include <numbers>
 #include <set>
 
@@ -27,8 +28,10 @@ Pose T_body_cam() {
   return T;
 }
 
-/// Depth images of an empty room with one corner at the origin.
-stereo::DepthMap render(const Pose& T_map_cam) {
+enum class Ceiling : std::uint8_t { kClosed, kOpen };
+
+/// Depth images of an empty room with one corner at the origin; none of the sky.
+stereo::DepthMap render(const Pose& T_map_cam, Ceiling ceiling) {
   stereo::DepthMap depth{kCamera, cv::Mat1f(128, 160, 0.0F), cv::Mat1f(128, 160, 0.0F)};
   const Eigen::Vector3d size(kLength, kWidth, kHeight), eye = T_map_cam.translation();
   for (int v = 0; v < 128; ++v) {
@@ -38,6 +41,7 @@ stereo::DepthMap render(const Pose& T_map_cam) {
       for (int k = 0; k < 3; ++k) {
         if (ray[k] != 0) z = std::min(z, ((ray[k] > 0 ? size[k] : 0) - eye[k]) / ray[k]);
       }
+      if (ceiling == Ceiling::kOpen && eye.z() + z * ray.z() > kHeight - 1e-6) continue;
       if (z < 0.3 || z > 5) continue;
       depth.depth_m(v, u) = static_cast<float>(z);
       depth.sigma_m(v, u) = 0.005F;
@@ -48,8 +52,11 @@ stereo::DepthMap render(const Pose& T_map_cam) {
 
 class Robot {
  public:
-  explicit Robot(const std::string& preset, double min_viewpoint_m2 = ViewpointParams{}.min_viewpoint_m2)
-      : targets_(params_for(preset, min_viewpoint_m2), make_level_camera({kCamera, 0.26}, T_body_cam(), 0.3, 5.0)),
+  explicit Robot(const std::string& preset, double min_viewpoint_m2 = ViewpointParams{}.min_viewpoint_m2,
+                 Ceiling ceiling = Ceiling::kClosed, double blank_factor = ViewpointParams{}.blank_factor)
+      : ceiling_(ceiling),
+        targets_(params_for(preset, min_viewpoint_m2, ceiling, blank_factor),
+                 make_level_camera({kCamera, 0.26}, T_body_cam(), 0.3, 5.0)),
         map_(map_params()) {
     for (int i = 0; i < 8; ++i) look({1.5, 2, i * pi / 4}, 2);
   }
@@ -57,20 +64,24 @@ class Robot {
   void look(const Pose2& pose, int looks) {
     pose_ = pose;
     const Pose T_map_cam = pose.to_pose() * T_body_cam();
-    const stereo::DepthMap depth = render(T_map_cam);
+    const stereo::DepthMap depth = render(T_map_cam, ceiling_);
     for (int i = 0; i < looks; ++i) {
       ASSERT_TRUE(map_.integrate(depth, T_map_cam));
       targets_.update(map_);
-      targets_.note_look(map_, pose);
+      targets_.note_looks(map_, {&pose, 1});
     }
   }
 
   Targets plan() { return targets_.plan(map_, ground_, pose_); }
+  [[nodiscard]] std::vector<Certificate> certify() const { return targets_.certify(map_, ground_, pose_).certificates; }
   [[nodiscard]] const mapping::IncompleteSurface& surface() const { return targets_.surface(); }
 
  private:
-  static ViewpointParams params_for(const std::string& preset, double min_viewpoint_m2) {
+  static ViewpointParams params_for(const std::string& preset, double min_viewpoint_m2, Ceiling ceiling,
+                                    double blank_factor) {
     ViewpointParams params;
+    params.blank_factor = blank_factor;
+    if (ceiling == Ceiling::kOpen) params.least_piece_m = 0;
     params.preset = preset;
     params.min_viewpoint_m2 = min_viewpoint_m2;
     return params;
@@ -81,6 +92,7 @@ class Robot {
     return params;
   }
 
+  Ceiling ceiling_;
   ExplorationTargets targets_;
   mapping::TsdfMap map_;
   GridFreeSpace ground_{{0, 0}, {kLength, kWidth}, 0.1, [](const Eigen::Vector2d& p) {
@@ -155,6 +167,27 @@ TEST(ExplorationTargets, WaitWithWhatCompletesLittle) {
   EXPECT_LT(of_large.viewpoints, of_all.viewpoints);
   // Nothing here completes 1000 m2, so nothing has to wait for such a viewpoint.
   EXPECT_FALSE(Robot("default", 1000).plan().clusters.empty());
+}
+
+/// Elements at the upper rim of the wall ahead, by verdict.
+std::map<Verdict, int> rim_ahead(const Robot& robot) {
+  std::map<Verdict, int> count;
+  for (const Certificate& certificate : robot.certify()) {
+    const Eigen::Vector3d p = (certificate.element.cast<double>().array() + 0.5) * 0.2;
+    if (p.x() > kLength - 0.4 && std::abs(p.y() - 2) < 0.7 && p.z() > kHeight - 0.3) ++count[certificate.verdict];
+  }
+  return count;
+}
+
+TEST(ExplorationTargets, GiveUpARimBeforeTheSkyAfterSomeLooksThatSayNothing) {
+  Robot robot("default", 0, Ceiling::kOpen), stubborn("default", 0, Ceiling::kOpen, 1e6);
+  robot.look({2.2, 2, 0}, 2);
+  EXPECT_GT(rim_ahead(robot)[Verdict::kCompletable], 0) << "it looks as if the wall went on";
+  robot.look({2.2, 2, 0}, 7);
+  stubborn.look({2.2, 2, 0}, 9);
+  EXPECT_EQ(rim_ahead(robot)[Verdict::kCompletable], 0);
+  EXPECT_GT(rim_ahead(robot)[Verdict::kBelowSensingLimit], 3);
+  EXPECT_GT(rim_ahead(stubborn)[Verdict::kCompletable], 3);
 }
 
 TEST(ExplorationTargets, PlanTheSameFromTheSameHistoryAndKeepIds) {

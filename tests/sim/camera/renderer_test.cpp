@@ -87,6 +87,7 @@ TEST(Renderer, SameArgumentsSameBytesAlsoFromTwoThreadsAndTwoRenderers) {
   other.join();
   EXPECT_TRUE(same(first.image, second.image) && same(first.depth_m, second.depth_m));
   EXPECT_TRUE(same(first.image, third.image) && same(first.depth_m, third.depth_m));
+  EXPECT_TRUE(same(first.depth_m, arena().depth_m(camera, T, bodies)));
   ++shot.seed;
   EXPECT_FALSE(same(first.image, arena().render(camera, T, shot, bodies).image));
 }

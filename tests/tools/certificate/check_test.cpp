@@ -94,6 +94,10 @@ TEST_F(CertificateCheckTest, ASmallPieceIsAsSmallAsItsElementsTogether) {
   const CertificateCheck three = check_certificates(file_, {views_, truth_, reconstruction_, {}});
   EXPECT_EQ(three.elements.front().finding, Finding::kFalse) << "0.3 m";
   EXPECT_EQ(three.elements.back().finding, Finding::kTrue);
+  file_.elements[1].small_piece = false;
+  file_.elements[1].verdict = Verdict::kOutOfRange;
+  EXPECT_EQ(check_certificates(file_, {views_, truth_, reconstruction_, {}}).elements.front().finding, Finding::kTrue)
+      << "what has a reason of its own does not count";
 }
 
 TEST_F(CertificateCheckTest, SharesAreOfAllElements) {

@@ -38,6 +38,9 @@ constexpr int kSubsteps = 4;
 constexpr Duration kMostBehind = std::chrono::milliseconds(500);
 /// By so much a cycle may be early: a timer that came late once does not hold back all that follow.
 constexpr Duration kMostAhead = std::chrono::milliseconds(2);
+/// An obstacle appears where the robot is at least so far away.
+constexpr double kObstacleApartM = 0.9;
+const char* const kObstacle = "(obstacle)";
 /// What the alignment of `sensing: depth` is worth, as tags at 2 m are (bench `square`).
 constexpr double kAlignmentSigmaM = 0.004;
 constexpr double kAlignmentSigmaRad = 0.002;
@@ -176,13 +179,32 @@ struct SimProcess::State {
     const pose_t here = sim::to_wire(now, robot.pose());
     publish(bus, channels::kTruthPose, here);
     if (truth) truth->send(encode(here));
+    put_obstacle();
     if (cycle++ % cycles_per_pair != 0) return;
+    if (within(config.faults.silent_at_s, config.faults.silent_s)) {
+      ++pair;
+      return;
+    }
     if (config.sensing == "images") {
       take_images(now);
     } else {
       take_depth(now);
     }
     ++pair;
+  }
+
+  /// Whether a fault that begins `at_s` after the start lasts.
+  [[nodiscard]] bool within(double at_s, double lasts_s) const {
+    const double now_s = static_cast<double>(cycle) * kCycleS;
+    return at_s >= 0 && now_s >= at_s && now_s < at_s + lasts_s;
+  }
+  [[nodiscard]] bool is_blind() const { return within(config.faults.blind_at_s, config.faults.blind_s); }
+
+  void put_obstacle() {
+    if (!within(config.faults.obstacle_at_s, 1e9) || teammates.contains(kObstacle)) return;
+    const std::vector<double>& at = config.faults.obstacle;
+    const Pose2 place{at[0], at[1], at[2]};
+    if ((place.position_m() - robot.pose().position_m()).norm() >= kObstacleApartM) teammates[kObstacle] = place;
   }
 
   void drive(const Twist2& pushed) {
@@ -215,8 +237,9 @@ struct SimProcess::State {
 
   void take_images(Time now) {
     const Pose& T_body_left = rig.calibration.T_body_left;
-    const cv::Mat1b left_image = take(left, T_body_left, 0).image;
-    const cv::Mat1b right_image = take(right, T_body_left * rig.calibration.T_right_left.inverse(), 1).image;
+    cv::Mat1b left_image = take(left, T_body_left, 0).image;
+    cv::Mat1b right_image = take(right, T_body_left * rig.calibration.T_right_left.inverse(), 1).image;
+    if (is_blind()) left_image = right_image = cv::Mat1b(left_image.size(), 0);
     const camera::ExposureSetting setting = exposure.setting();
     transfer(channels::kStereoImages, sim::to_wire(now, pair, setting, left_image, right_image));
     (void)exposure.update(setting, 0.5 * (cv::mean(left_image)[0] + cv::mean(right_image)[0]));
@@ -232,11 +255,13 @@ struct SimProcess::State {
     const cv::Mat1f exact_m = renderer.depth_m(left, T_world_left, bodies());
     const sim::NoisyDepth noisy =
         sim::sense_depth(exact_m, noise, seed_of(config.seed, 16 + static_cast<std::uint64_t>(pair)));
-    transfer(channels::kDepth, sim::to_wire(now, pair, camera, noisy.depth_m, noisy.sigma_m));
+    if (!is_blind()) transfer(channels::kDepth, sim::to_wire(now, pair, camera, noisy.depth_m, noisy.sigma_m));
     const sim::SimulatedStep step = odometry.move_to(robot.pose());
     const Pose T_last_now = T_odom_last.value_or(step.T_odom_body).inverse() * step.T_odom_body;
     const double duration_s = T_odom_last ? static_cast<double>(cycles_per_pair) * kCycleS : 0.0;
-    transfer(channels::kOdometry, sim::to_wire(now, pair, step, T_last_now, duration_s));
+    odometry_t message = sim::to_wire(now, pair, step, T_last_now, duration_s);
+    if (is_blind()) message.status = odometry_t::STATUS_LOST;
+    transfer(channels::kOdometry, message);
     T_odom_last = step.T_odom_body;
     if (pair == kAlignmentSequence) align(now, step.T_odom_body);
   }

@@ -12,6 +12,7 @@
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "common/bus/bus.h"
 #include "common/config/fields.h"
@@ -21,6 +22,30 @@
 #include "sim/robot/sim_odometry.h"
 
 namespace arpent {
+
+/// What goes wrong, for tests of what comes of it. A time below zero: it does not.
+struct SimFaults {
+  double silent_at_s = -1;
+  double silent_s = 3;
+  double blind_at_s = -1;
+  double blind_s = 5;
+  double obstacle_at_s = -1;
+  std::vector<double> obstacle{0, 0, 0};
+
+  template <class Self, class Visitor>
+  static void describe(Self& self, Visitor& visitor) {
+    visitor.field("silent_at_s", self.silent_at_s, "the cameras send nothing from then on, after the start",
+                  config::between(-1.0, 1e6));
+    visitor.field("silent_s", self.silent_s, "for so long", config::at_least(0.0));
+    visitor.field("blind_at_s", self.blind_at_s, "images are black from then on; sensing depth: odometry is lost",
+                  config::between(-1.0, 1e6));
+    visitor.field("blind_s", self.blind_s, "for so long", config::at_least(0.0));
+    visitor.field("obstacle_at_s", self.obstacle_at_s,
+                  "something of a robot's size stands in the world from then on, once the place is free",
+                  config::between(-1.0, 1e6));
+    visitor.field("obstacle", self.obstacle, "where: x, y, yaw in the world", config::finite_numbers(3));
+  }
+};
 
 struct SimConfig {
   std::filesystem::path world;
@@ -37,6 +62,7 @@ struct SimConfig {
   camera::ExposureParams exposure;
   sim::ImuNoise imu;
   sim::OdometryNoise odometry;
+  SimFaults faults;
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visitor) {
@@ -60,6 +86,7 @@ struct SimConfig {
     visitor.group("exposure", self.exposure, "exposure of both cameras");
     visitor.group("imu", self.imu, "the inertial unit");
     visitor.group("odometry", self.odometry, "drift of the odometry that `sensing: depth` gives");
+    visitor.group("faults", self.faults, "what goes wrong, on purpose");
   }
 };
 

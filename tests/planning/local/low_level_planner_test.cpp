@@ -63,7 +63,10 @@ class Robot {
     std::vector<std::int64_t> visited;
     for (int i = 0; i < 2000; ++i) {
       const LowLevelOutput output = step();
-      if (output.visited) visited.push_back(*output.visited);
+      if (output.visited) {
+        visited.push_back(*output.visited);
+        EXPECT_NE(output.order, DriveOrder::kFollow) << "there is something to look at first";
+      }
       reason = output.replan;
       if (reason != ReplanReason::kNone) break;
       move(0.05);

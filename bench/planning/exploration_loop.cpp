@@ -145,19 +145,8 @@ class Loop {
     targets_.update(map_);
     result_.note_look_ms.push_back(cpu_ms([&] { targets_.note_looks(map_, {&pose_, 1}); }));
     grid_.update(map_);
-    low_level_.set_incomplete(incomplete());
+    low_level_.set_incomplete(targets_.surface().voxels());
     result_.time_s += kPeriodS;
-  }
-
-  [[nodiscard]] std::vector<VoxelIndex> incomplete() const {
-    std::vector<VoxelIndex> voxels;
-    for (const auto& element : targets_.surface().elements(map_)) voxels.push_back(element.voxel);
-    return voxels;
-  }
-
-  [[nodiscard]] bool is_complete(const Viewpoint& viewpoint) const {
-    return std::none_of(viewpoint.elements.begin(), viewpoint.elements.end(),
-                        [&](const VoxelIndex& v) { return targets_.surface().contains(v); });
   }
 
   /// Looks until the viewpoint has what it was meant for.
@@ -166,16 +155,17 @@ class Loop {
     motions_.clear();
     std::erase_if(tour_.tour.targets, [&](const TourTarget& t) { return t.id == target; });
     const Viewpoint viewpoint = tour_.viewpoints[static_cast<std::size_t>(target)];
-    for (int i = 0; i < viewpoint.looks && !is_complete(viewpoint); ++i) look();
+    for (int i = 0; i < viewpoint.looks && !targets_.is_complete(viewpoint); ++i) look();
   }
 
   void drop_completed() {
     auto& targets = tour_.tour.targets;
-    const std::size_t dropped = std::erase_if(
-        targets, [&](const TourTarget& t) { return is_complete(tour_.viewpoints[static_cast<std::size_t>(t.id)]); });
+    const std::size_t dropped = std::erase_if(targets, [&](const TourTarget& t) {
+      return targets_.is_complete(tour_.viewpoints[static_cast<std::size_t>(t.id)]);
+    });
     if (dropped == 0) return;
     low_level_.set_tour(tour_.tour);
-    low_level_.set_incomplete(incomplete());
+    low_level_.set_incomplete(targets_.surface().voxels());
   }
 
   void plan(LowLevelOutput& output) {
@@ -189,7 +179,7 @@ class Loop {
       if (result_.finished) return;
       tour_ = plan_tour(ground, last_.clusters, pose_, {}, {.speed_mps = kSpeedMps});
       low_level_.set_tour(tour_.tour);
-      low_level_.set_incomplete(incomplete());
+      low_level_.set_incomplete(targets_.surface().voxels());
       const LowLevelOutput next = low_level_.step({ground, grid_, pose_});
       if (next.order == DriveOrder::kStop) motions_.clear();
       if (next.leg) output.leg = next.leg;

@@ -221,15 +221,21 @@ bool IncompleteSurface::contains(const VoxelIndex& voxel) const {
   return found != position_of_.end() && bit_of(elements_[found->second], offset_in_block(voxel));
 }
 
+std::vector<VoxelIndex> IncompleteSurface::voxels() const {
+  std::vector<VoxelIndex> list;
+  list.reserve(size_);
+  for (std::size_t i = 0; i < elements_.size(); ++i) {
+    for_each_bit(elements_[i],
+                 [&](std::size_t offset) { list.push_back(voxel_at(classes_.blocks()[i]->index, offset)); });
+  }
+  std::sort(list.begin(), list.end(), before);
+  return list;
+}
+
 std::vector<IncompleteElement> IncompleteSurface::elements(const TsdfMap& map) const {
   std::vector<IncompleteElement> list;
   list.reserve(size_);
-  for (std::size_t i = 0; i < elements_.size(); ++i) {
-    for_each_bit(elements_[i], [&](std::size_t offset) {
-      list.push_back(describe(classes_, map, voxel_at(classes_.blocks()[i]->index, offset)));
-    });
-  }
-  std::sort(list.begin(), list.end(), [](const auto& a, const auto& b) { return before(a.voxel, b.voxel); });
+  for (const VoxelIndex& voxel : voxels()) list.push_back(describe(classes_, map, voxel));
   return list;
 }
 

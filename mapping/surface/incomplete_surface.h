@@ -53,7 +53,9 @@ class IncompleteSurface {
 
   [[nodiscard]] std::size_t size() const { return size_; }
   [[nodiscard]] bool contains(const VoxelIndex& voxel) const;
-  /// All elements, ordered by before(). `map` is the one of the last update.
+  /// The voxels of all elements, ordered by before().
+  [[nodiscard]] std::vector<VoxelIndex> voxels() const;
+  /// All elements, in the same order. `map` is the one of the last update.
   [[nodiscard]] std::vector<IncompleteElement> elements(const TsdfMap& map) const;
   /// The unknown voxels among the six beside `voxel` that make it an element. `map` is the one of the last update.
   [[nodiscard]] std::vector<VoxelIndex> unknown_beside(const VoxelIndex& voxel, const TsdfMap& map) const;

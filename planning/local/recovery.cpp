@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace arpent::planning {
 namespace {
@@ -14,6 +15,11 @@ constexpr double kLeastBackM = 0.3;
 constexpr double kLeastBackOffM = 0.1;
 constexpr double kPathSpacingM = 0.05;  ///< as control::Path takes them
 constexpr int kHeadings = 36;
+/// Less than half turns, so that the tracker knows which way round.
+constexpr int kTurnsAbout = 3;
+/// Nearer than this a recovery was tried at the same place.
+constexpr double kSamePlaceM = 0.1;
+constexpr double kSameHeadingRad = 0.3;
 
 std::optional<Motion> find_turn(const Ground& ground, const Pose2& pose, double deepest_m,
                                 const RecoveryParams& params) {
@@ -108,6 +114,26 @@ DrivePiece piece_of(const Recovery& recovery, const Pose2& pose) {
     return pieces_of({pose, recovery.backwards.back(), {turn_to(pose, recovery.backwards.back().yaw_rad)}, {}}).front();
   }
   return piece;
+}
+
+std::vector<DrivePiece> turn_about(const Pose2& pose) {
+  std::vector<DrivePiece> pieces;
+  for (int k = 0; k < kTurnsAbout; ++k) {
+    const double turn_rad = 2 * std::numbers::pi / kTurnsAbout;
+    const Pose2 from{pose.x_m, pose.y_m, wrap_angle(pose.yaw_rad + k * turn_rad)};
+    pieces.push_back(piece_of(Recovery{turn_to(from, from.yaw_rad + turn_rad), {}}, from));
+  }
+  return pieces;
+}
+
+bool TriedPoses::try_at(const Pose2& pose, int most) {
+  const auto before = std::count_if(poses_.begin(), poses_.end(), [&](const Pose2& tried) {
+    return (tried.position_m() - pose.position_m()).norm() < kSamePlaceM &&
+           std::abs(wrap_angle(tried.yaw_rad - pose.yaw_rad)) < kSameHeadingRad;
+  });
+  if (before >= most) return false;
+  poses_.push_back(pose);
+  return true;
 }
 
 }  // namespace arpent::planning

@@ -63,4 +63,17 @@ struct Recovery {
 /// The piece that the path tracker drives.
 [[nodiscard]] DrivePiece piece_of(const Recovery& recovery, const Pose2& pose);
 
+/// Once about on the spot.
+[[nodiscard]] std::vector<DrivePiece> turn_about(const Pose2& pose);
+
+/// Where recoveries were tried: what did not help there is not tried for ever.
+class TriedPoses {
+ public:
+  /// Notes a try at `pose`. False, and no note, if there were `most` about there before.
+  bool try_at(const Pose2& pose, int most);
+
+ private:
+  std::vector<Pose2> poses_;
+};
+
 }  // namespace arpent::planning

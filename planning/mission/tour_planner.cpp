@@ -59,4 +59,10 @@ PlannedTour plan_tour(const Ground& ground, const std::vector<Cluster>& clusters
   return planned;
 }
 
+void put_first(const Viewpoint& viewpoint, PlannedTour& planned) {
+  const TourTarget target{static_cast<std::int64_t>(planned.viewpoints.size()), viewpoint.pose};
+  planned.viewpoints.push_back(viewpoint);
+  planned.tour.targets.insert(planned.tour.targets.begin(), target);
+}
+
 }  // namespace arpent::planning

@@ -47,4 +47,7 @@ struct PlannedTour {
 [[nodiscard]] PlannedTour plan_tour(const Ground& ground, const std::vector<Cluster>& clusters, const Pose2& robot,
                                     const TourParams& params, const VisitTimes& times);
 
+/// The tour goes to `viewpoint` before all others.
+void put_first(const Viewpoint& viewpoint, PlannedTour& planned);
+
 }  // namespace arpent::planning

@@ -69,17 +69,15 @@ void add_attempt(std::vector<Viewpoint>& attempts, const Sight& sight, std::uint
 /// make the piece beside it larger.
 Skipped small_pieces(const Sight& sight, const ViewpointParams& params) {
   if (params.preset == "thesis" || params.least_piece_m <= 0) return {};
-  std::vector<std::size_t> open;
   std::vector<VoxelIndex> voxels;
+  std::vector<std::uint8_t> open;
   for (std::size_t i = 0; i < sight.elements().size(); ++i) {
-    if (sight.is_given_up(i)) continue;
-    open.push_back(i);
     voxels.push_back(sight.elements()[i].voxel);
+    open.push_back(sight.is_given_up(i) ? 0 : 1);
   }
-  Skipped small(sight.elements().size());
-  const std::vector<std::size_t> sizes = piece_sizes(voxels);
-  for (std::size_t k = 0; k < open.size(); ++k) {
-    small[open[k]] = static_cast<double>(sizes[k]) * sight.voxel_m() < params.least_piece_m ? 1 : 0;
+  Skipped small;
+  for (const std::size_t size : piece_sizes(voxels, open)) {
+    small.push_back(size > 0 && static_cast<double>(size) * sight.voxel_m() < params.least_piece_m ? 1 : 0);
   }
   return small;
 }
@@ -143,6 +141,14 @@ std::size_t common_count(const std::vector<VoxelIndex>& a, const std::vector<Vox
 
 }  // namespace
 
+std::size_t Targets::largest() const {
+  std::size_t most = 0;
+  for (const Cluster& cluster : clusters) {
+    for (const Viewpoint& viewpoint : cluster.viewpoints) most = std::max(most, viewpoint.elements.size());
+  }
+  return most;
+}
+
 /// Looks at a voxel that is still unknown, in weights of W_th.
 struct InVain {
   double promised = 0;         ///< by looks that should have measured it
@@ -187,6 +193,11 @@ const mapping::IncompleteSurface& ExplorationTargets::surface() const {
   return state_->surface;
 }
 
+bool ExplorationTargets::is_complete(const Viewpoint& viewpoint) const {
+  return std::none_of(viewpoint.elements.begin(), viewpoint.elements.end(),
+                      [&](const VoxelIndex& v) { return state_->surface.contains(v); });
+}
+
 void ExplorationTargets::update(const TsdfMap& map) {
   state_->surface.update(map);
 }
@@ -202,14 +213,17 @@ void ExplorationTargets::note_looks(const TsdfMap& map, std::span<const Pose2> p
   for (const UnknownVoxel& unknown : sight.unknowns()) {
     if (unknown.given_up) continue;
     InVain& in_vain = state_->in_vain[unknown.voxel];
-    const bool fresh = in_vain.missing_weight<0, grew = in_vain.missing_weight> unknown.missing_weight;
+    const bool fresh = in_vain.missing_weight < 0;
+    const bool grew = unknown.missing_weight < in_vain.missing_weight;
     in_vain.missing_weight = unknown.missing_weight;
     if (grew) in_vain.blank = 0;
     for (std::size_t i = 0; i < views.size(); ++i) {
       state_->add_look(in_vain, sight, views[i], unknown, meant[i].contains(unknown.voxel), !fresh && !grew);
     }
-    if (in_vain.promised >= state_->params.give_up_factor || in_vain.blank >= state_->params.blank_factor)
+    const ViewpointParams& params = state_->params;
+    if (in_vain.promised >= params.give_up_factor || in_vain.blank >= params.blank_factor) {
       state_->given_up.insert(unknown.voxel);
+    }
   }
 }
 
@@ -255,15 +269,17 @@ Targets ExplorationTargets::plan(const TsdfMap& map, const FreeSpace& free_space
 
 void ExplorationTargets::State::add_look(InVain& sum, const Sight& sight, const CameraView& view,
                                          const UnknownVoxel& unknown, bool meant, bool blank) const {
-  const bool shown = sight.shows(view, unknown, kAnyReachM);
+  const bool clear = sight.shows(view, unknown, params.unknown_reach_m);
+  const bool shown = clear || sight.shows(view, unknown, kAnyReachM);
   const double weight = 1 / ((unknown.centre_m - view.position_m()).squaredNorm() * sight.known_weight());
-  const bool sure = shown && sight.measures(view, unknown) && sight.shows(view, unknown, params.unknown_reach_m);
+  const bool sure = clear && sight.measures(view, unknown);
   const bool tried = meant && (shown || params.preset == "thesis");
   if (sure || tried) sum.promised += weight;
   // Many a wall cannot be measured from afar and can from where its viewpoint would be.
   const double near_m = stand_off_m(camera, params.delta_pose_m, unknown.centre_m.z()) + kFartherM;
-  if (shown && blank && view.depth_m(unknown.centre_m) <= near_m)
+  if (shown && blank && view.depth_m(unknown.centre_m) <= near_m) {
     sum.blank += std::min(weight, params.blank_factor / kLeastBlankLooks);
+  }
 }
 
 VoxelSet ExplorationTargets::State::meant_from(const TsdfMap& map, const Pose2& pose) const {

@@ -30,6 +30,9 @@ struct Targets {
   /// elements' order. With preset `thesis` the reason may be that the equations have none though a pose would complete
   /// the element.
   std::vector<Certificate> remaining;
+
+  /// Elements of the viewpoint that completes most.
+  [[nodiscard]] std::size_t largest() const;
 };
 
 /// The region of two corners as config has them, three numbers each.
@@ -77,6 +80,8 @@ class ExplorationTargets {
   [[nodiscard]] Targets plan(const mapping::TsdfMap& map, const FreeSpace& free_space, const Pose2& robot);
 
   [[nodiscard]] const mapping::IncompleteSurface& surface() const;
+  /// Whether nothing that the viewpoint is there for is incomplete any more.
+  [[nodiscard]] bool is_complete(const Viewpoint& viewpoint) const;
 
  private:
   struct State;

@@ -10,9 +10,11 @@ namespace arpent::planning {
 
 using mapping::VoxelIndex;
 
-std::vector<std::size_t> piece_sizes(std::span<const VoxelIndex> elements) {
+std::vector<std::size_t> piece_sizes(std::span<const VoxelIndex> elements, std::span<const std::uint8_t> counted) {
   std::unordered_map<VoxelIndex, std::size_t, mapping::BlockHash> unvisited;
-  for (std::size_t i = 0; i < elements.size(); ++i) unvisited.emplace(elements[i], i);
+  for (std::size_t i = 0; i < elements.size(); ++i) {
+    if (counted.empty() || counted[i] != 0) unvisited.emplace(elements[i], i);
+  }
   std::vector<std::size_t> sizes(elements.size());
   std::vector<std::size_t> piece;
   for (std::size_t i = 0; i < elements.size(); ++i) {

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -14,7 +15,9 @@
 namespace arpent::planning {
 
 /// For each element how many there are in its piece, itself included: elements whose voxels touch, also by an edge or a
-/// corner, hang together.
-[[nodiscard]] std::vector<std::size_t> piece_sizes(std::span<const mapping::VoxelIndex> elements);
+/// corner, hang together. Unless it is empty, elements without a flag in `counted` do not count: zero for them, and
+/// they join no others.
+[[nodiscard]] std::vector<std::size_t> piece_sizes(std::span<const mapping::VoxelIndex> elements,
+                                                   std::span<const std::uint8_t> counted = {});
 
 }  // namespace arpent::planning

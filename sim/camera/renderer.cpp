@@ -57,6 +57,16 @@ struct View {
   }
 };
 
+/// What tracing needs; without the looks of things.
+View view_from(const Pose& T_world_cam, const Tracer& world, const Tracer* bodies) {
+  View view;
+  view.world_tracer = &world;
+  view.body_tracer = bodies;
+  view.R_world_cam = T_world_cam.linear().cast<float>();
+  view.origin_m = T_world_cam.translation().cast<float>();
+  return view;
+}
+
 /// Rays through (x, y, 1) in camera axes; t becomes depth.
 RayPacket make_packet(const View& view, const Lanes& x, const Lanes& y) {
   RayPacket packet;
@@ -295,14 +305,10 @@ CameraImage Renderer::render(const CameraModel& camera, const Pose& T_world_cam,
   const SurfaceMesh body_mesh = mesh_of(bodies);
   const LightMap body_light = scene_->baker.bake_body(body_mesh);
   const std::unique_ptr<const Tracer> body_tracer = trace_bodies(body_mesh, scene_->mesh);
-  View view;
-  view.world_tracer = &scene_->tracer;
-  view.body_tracer = body_tracer.get();
+  View view = view_from(T_world_cam, scene_->tracer, body_tracer.get());
   view.parts = {Part{&scene_->mesh, &scene_->light}, Part{&body_mesh, &body_light}};
   view.materials = &scene_->materials;
   view.sky = static_cast<float>(scene_->world.lighting.sky);
-  view.R_world_cam = T_world_cam.linear().cast<float>();
-  view.origin_m = T_world_cam.translation().cast<float>();
   view.pixel_rad = static_cast<float>(1 / camera.camera().pinhole.fx_px);
   Buffers buffers(cv::Size(camera.width_px(), camera.height_px()));
   trace_centres(view, camera, buffers);
@@ -312,11 +318,7 @@ CameraImage Renderer::render(const CameraModel& camera, const Pose& T_world_cam,
 
 cv::Mat1f Renderer::depth_m(const CameraModel& camera, const Pose& T_world_cam, std::span<const Body> bodies) const {
   const std::unique_ptr<const Tracer> body_tracer = trace_bodies(mesh_of(bodies), scene_->mesh);
-  View view;
-  view.world_tracer = &scene_->tracer;
-  view.body_tracer = body_tracer.get();
-  view.R_world_cam = T_world_cam.linear().cast<float>();
-  view.origin_m = T_world_cam.translation().cast<float>();
+  const View view = view_from(T_world_cam, scene_->tracer, body_tracer.get());
   cv::Mat1f depth_m(camera.height_px(), camera.width_px());
   for_each_packet(view, camera, [&](const Pixels& us, const Pixels& vs, const RayPacket& packet) {
     take_depth(us, vs, packet, depth_m);

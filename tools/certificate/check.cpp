@@ -61,17 +61,14 @@ double weight_of_looks(const planning::LevelCamera& camera, const CertificateEvi
 /// could be completed. Zero for the others, each of which has a reason of its own.
 std::vector<double> piece_lengths_m(const planning::CertificateFile& file) {
   std::vector<planning::VoxelIndex> voxels;
-  std::vector<std::size_t> which;
-  for (std::size_t i = 0; i < file.elements.size(); ++i) {
-    const CertifiedElement& element = file.elements[i];
-    if (!element.small_piece && element.verdict != Verdict::kCompletable) continue;
+  std::vector<std::uint8_t> left;
+  for (const CertifiedElement& element : file.elements) {
     voxels.push_back(element.voxel);
-    which.push_back(i);
+    left.push_back(element.small_piece || element.verdict == Verdict::kCompletable ? 1 : 0);
   }
-  std::vector<double> lengths_m(file.elements.size(), 0.0);
-  const std::vector<std::size_t> sizes = planning::piece_sizes(voxels);
-  for (std::size_t k = 0; k < which.size(); ++k) {
-    lengths_m[which[k]] = static_cast<double>(sizes[k]) * file.context.voxel_m;
+  std::vector<double> lengths_m;
+  for (const std::size_t size : planning::piece_sizes(voxels, left)) {
+    lengths_m.push_back(static_cast<double>(size) * file.context.voxel_m);
   }
   return lengths_m;
 }

@@ -18,6 +18,11 @@ TEST(Pieces, CornersHangTogetherGapsDoNot) {
   EXPECT_TRUE(piece_sizes({}).empty());
 }
 
+TEST(Pieces, WhatDoesNotCountJoinsNoOthers) {
+  const std::vector<VoxelIndex> line{{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {3, 0, 0}};
+  EXPECT_EQ(piece_sizes(line, std::vector<std::uint8_t>{1, 0, 1, 1}), (std::vector<std::size_t>{1, 0, 2, 2}));
+}
+
 TEST(Pieces, AreThoseOfRepeatedRelabelling) {
   std::mt19937 random(7);
   std::uniform_int_distribution<int> coordinate(-6, 6);

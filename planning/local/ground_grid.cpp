@@ -54,6 +54,20 @@ void GroundGrid::judge_around(const Eigen::Vector2d& centre_m, double reach_m) {
   (void)judge({frame_.cell_of(centre_m - reach), frame_.cell_of(centre_m + reach)});
 }
 
+GroundGrid::Cell GroundGrid::cell_at(const Eigen::Vector2d& p_m) const {
+  const Eigen::Vector2i cell = frame_.cell_of(p_m) + frame_.first;
+  return {cell.x(), cell.y()};
+}
+
+Eigen::Vector2d GroundGrid::centre_m(const Cell& cell) const {
+  return frame_.centre_m(cell.first - frame_.first.x(), cell.second - frame_.first.y());
+}
+
+void GroundGrid::mark(const Cell& cell, bool occupied) {
+  const bool changed = occupied ? marked_.insert(cell).second : marked_.erase(cell) > 0;
+  if (changed) judge_around(centre_m(cell), 0);
+}
+
 std::size_t GroundGrid::update(const mapping::TsdfMap& map) {
   const double voxel_m = map.params().voxel_m;
   if (map.revision() < map_revision_ || voxel_m != voxel_m_) forget();
@@ -196,7 +210,9 @@ std::size_t GroundGrid::judge(const Box& cells) {
   const int ring = kUnknownRing;
   for (int j = std::max(ring, cells.least.y()); j <= std::min(frame_.rows - 1 - ring, cells.most.y()); ++j) {
     for (int i = std::max(ring, cells.least.x()); i <= std::min(frame_.cols - 1 - ring, cells.most.x()); ++i) {
-      const CellState state = judge(frame_.centre_m(i, j));
+      const Eigen::Vector2d centre_m = frame_.centre_m(i, j);
+      const bool marked = !marked_.empty() && marked_.contains({frame_.first.x() + i, frame_.first.y() + j});
+      const CellState state = marked && !is_body(centre_m) ? CellState::kOccupied : judge(centre_m);
       CellState& held = states_[frame_.at(i, j)];
       if (state == held) continue;
       held = state;
@@ -208,10 +224,13 @@ std::size_t GroundGrid::judge(const Box& cells) {
   return count;
 }
 
+bool GroundGrid::is_body(const Eigen::Vector2d& p_m) const {
+  return std::any_of(bodies_.begin(), bodies_.end(),
+                     [&](const Body& b) { return b.footprint.contains(b.pose, p_m, kBodyMarginM); });
+}
+
 CellState GroundGrid::judge(const Eigen::Vector2d& p_m) const {
-  const bool body = std::any_of(bodies_.begin(), bodies_.end(),
-                                [&](const Body& b) { return b.footprint.contains(b.pose, p_m, kBodyMarginM); });
-  if (body) return CellState::kFree;
+  if (is_body(p_m)) return CellState::kFree;
   const bool declared = std::any_of(discs_.begin(), discs_.end(), [&](const Disc& disc) {
     return (disc.centre_m - p_m).squaredNorm() <= disc.radius_m * disc.radius_m;
   });

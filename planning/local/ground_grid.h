@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -53,6 +54,15 @@ class GroundGrid {
   /// surface.
   void declare_body(const Footprint& footprint, const Pose2& pose);
 
+  /// A cell by its place in the map: it covers [first, first + 1) times the cell's edge along x, and so on.
+  using Cell = std::pair<int, int>;
+  [[nodiscard]] Cell cell_at(const Eigen::Vector2d& p_m) const;
+  [[nodiscard]] Eigen::Vector2d centre_m(const Cell& cell) const;
+  /// A marked cell is occupied, whatever the map says (fresh_obstacles.h), unless a body was declared there.
+  void mark(const Cell& cell, bool occupied);
+  /// Without marks.
+  [[nodiscard]] CellState mapped_state(const Cell& cell) const { return judge(centre_m(cell)); }
+
   /// Takes over what changed in the map since the last call (all of it the first time, or if the map's revision went
   /// back). A column of voxels is free if all its voxels in the band (centres from one voxel above the floor up to
   /// the robot's height) are known and empty. Returns the number of cells whose state changed. Throws InputError if no
@@ -94,6 +104,7 @@ class GroundGrid {
   void read_columns(const mapping::TsdfMap& map, const Eigen::Vector2i& block);
   std::size_t judge(const Box& cells);
   [[nodiscard]] CellState judge(const Eigen::Vector2d& p_m) const;
+  [[nodiscard]] bool is_body(const Eigen::Vector2d& p_m) const;
   [[nodiscard]] bool has_column(int i, int j) const;
   [[nodiscard]] Column column(int i, int j) const;
   [[nodiscard]] double interpolate_m(const Eigen::Vector2d& p_m, const Column& own) const;
@@ -102,6 +113,7 @@ class GroundGrid {
   GroundGridParams params_;
   std::vector<Disc> discs_;
   std::vector<Body> bodies_;
+  std::set<Cell> marked_;
   double voxel_m_ = 0;  ///< 0 before the first update
   int first_layer_ = 1, last_layer_ = 0;
   std::int64_t map_revision_ = -1;

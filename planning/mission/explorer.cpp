@@ -11,6 +11,7 @@
 #include "planning/local/obstacles.h"
 #include "planning/local/sweep.h"
 #include "planning/mission/ground_free_space.h"
+#include "planning/mission/standstill.h"
 #include "planning/mission/tour_planner.h"
 #include "planning/viewpoints/exploration_targets.h"
 
@@ -22,6 +23,8 @@ constexpr double kBackOffM = 0.4;
 /// A recovery that did not help here is not tried a third time.
 constexpr int kRecoveriesPerPlace = 2;
 constexpr int kLastChances = 3;
+/// So many more images must leave it at nothing to do before that is the end.
+constexpr int kLastImages = 3;
 /// Standing for so long with something left to do, and no way out found, is the end.
 constexpr Duration kHelplessAfter = std::chrono::seconds(30);
 /// A tour that teammates keep a robot from is tried again so often, so much later each time.
@@ -44,6 +47,7 @@ struct Explorer::State {
   mapping::TsdfMap map;
   ExplorationTargets targets;
   GroundGrid grid;
+  FreshObstacles fresh;
   Footprint footprint;
   LowLevelPlanner low_level;
   Trail trail{kTrailM};
@@ -54,6 +58,8 @@ struct Explorer::State {
   bool recovering = false;  ///< on pieces of a recovery, not of a leg
   bool looked_around = false;
   int chances = kLastChances;  ///< of all that could not be reached, before the end
+  int images = 0;
+  std::optional<int> last_image;  ///< nothing is left to do, it seems: the decision falls after this one
 
   /// A tour that is thought out but not yet in force.
   struct Pending {
@@ -77,8 +83,7 @@ struct Explorer::State {
     Time at;
   };
   std::optional<Visit> last_visit;  ///< where all looks were taken
-  Time moved_at{};
-  Pose2 moved_from;
+  Standstill standstill;
   std::optional<Time> helpless_since;  ///< no target was reachable, and it has not moved since
 
   State(const ExplorerParams& p, const LevelCamera& camera)
@@ -86,6 +91,7 @@ struct Explorer::State {
         map(p.tsdf),
         targets(p.viewpoints, camera, box_between(p.region_min_m, p.region_max_m)),
         grid(p.grid),
+        fresh(p.fresh),
         footprint(p.footprint.grown(p.footprint_margin_m)),
         low_level(p.low_level) {}
 
@@ -94,7 +100,9 @@ struct Explorer::State {
     targets.update(map);
     if (!params.led) targets.note_looks(map, {&body, 1});
     grid.update(map);
+    fresh.look(depth, T_map_cam, grid);
     trail.add(body);
+    ++images;
     if (dwell) ++dwell->images;
     const std::vector<VoxelIndex> elements = targets.surface().voxels();
     low_level.set_incomplete(elements);
@@ -104,7 +112,7 @@ struct Explorer::State {
   }
 
   ExplorerOrder step(Time now, const Pose2& pose, bool arrived, bool blocked) {
-    note_motion(now, pose);
+    if (standstill.note(now, pose)) helpless_since.reset();
     if (status.done || status.boxed_in) return {};
     if (pending && now >= pending->from) adopt(now);
     drop_completed();
@@ -119,7 +127,7 @@ struct Explorer::State {
       status.activity = "waiting: something is in the way";
       return {};
     }
-    if (recovering && !arrived && now - moved_at < from_seconds(params.stuck_s)) return {};
+    if (recovering && !arrived && standstill.lasted(now) < from_seconds(params.stuck_s)) return {};
     if (recovering && arrived && !pieces.empty()) return next_piece();
     recovering = false;
     const Ground ground = ground_now(pose);
@@ -132,21 +140,13 @@ struct Explorer::State {
     if (params.led) note_skipped(output);
     const bool stale = now - adopted_at > from_seconds(params.replan_s);
     if (!pending && (output.replan != ReplanReason::kNone || stale)) plan(now, ground, pose, output.replan);
-    if (status.done || status.boxed_in) return {ExplorerOrder::Kind::kStop, {}};
+    if (status.done || status.boxed_in || (last_image && !recovering)) return {ExplorerOrder::Kind::kStop, {}};
     if (recovering) return next_piece();
-    if (output.order == DriveOrder::kGoOn && low_level.target() && now - moved_at > from_seconds(params.stuck_s)) {
+    if (output.order == DriveOrder::kGoOn && low_level.target() &&
+        standstill.lasted(now) > from_seconds(params.stuck_s)) {
       return get_unstuck(now, ground, pose);
     }
     return order_for(now, output, arrived);
-  }
-
-  void note_motion(Time now, const Pose2& pose) {
-    const bool moved = (pose.position_m() - moved_from.position_m()).norm() > 0.02 ||
-                       std::abs(wrap_angle(pose.yaw_rad - moved_from.yaw_rad)) > 0.05;
-    if (!moved && moved_at != Time{}) return;
-    moved_at = now;
-    moved_from = pose;
-    helpless_since.reset();
   }
 
   /// The tour goes on without the targets that were completed on the way to others.
@@ -177,21 +177,18 @@ struct Explorer::State {
 
   void plan(Time now, const Ground& ground, const Pose2& pose, ReplanReason reason) {
     if (params.led) return await_tour(now, ground, pose, reason);
+    if (last_image && images < *last_image) return;
     Targets found = find_targets(ground, pose);
     status.clusters = static_cast<int>(found.clusters.size());
     status.activity = std::string("planning: ") + to_text(reason);
     ++status.tours;
-    const double voxel_m2 = params.tsdf.voxel_m * params.tsdf.voxel_m;
-    if (!looked_around && static_cast<double>(found.largest()) * voxel_m2 < params.viewpoints.min_viewpoint_m2 &&
-        ground.clearance_m(pose.position_m()) >= footprint.long_m()) {
-      return look_around(now, pose);
-    }
+    const bool tight = ground.clearance_m(pose.position_m()) < footprint.long_m();
+    const double largest_m2 = static_cast<double>(found.largest()) * params.tsdf.voxel_m * params.tsdf.voxel_m;
+    if (!looked_around && !tight && largest_m2 < params.viewpoints.min_viewpoint_m2) return look_around(now, pose);
     if (found.clusters.empty() || reason == ReplanReason::kNothingReachable) {
-      if (ground.clearance_m(pose.position_m()) < footprint.long_m()) {
-        if (recover(now, pose, plan_recovery(ground, pose, trail, params.recovery))) return;
-        // Boxed in by ground that it has not seen, a robot assumes once more what it assumed at the start.
-        if (assume_free(pose)) return;
-      }
+      if (tight && recover(now, pose, plan_recovery(ground, pose, trail, params.recovery))) return;
+      // Boxed in by ground that it has not seen, a robot assumes once more what it assumed at the start.
+      if (tight && assume_free(pose)) return;
       if (recover_by_the_way_it_came(now, ground, pose)) return;
     }
     if (is_helpless(now, reason)) {
@@ -199,18 +196,24 @@ struct Explorer::State {
       status.activity = "boxed in: there is no way out of where it stands";
       return;
     }
-    if (found.clusters.empty()) {
-      status.done = true;
-      status.left_s = 0;
-      status.activity = "nothing is left that could be completed";
-      return;
-    }
+    if (found.clusters.empty()) return end();
+    last_image.reset();
     const std::optional<Viewpoint> committed = committed_viewpoint();
     PlannedTour planned = plan_tour(ground, found.clusters, committed ? committed->pose : pose, params.tour,
                                     {params.nominal_speed_mps, params.nominal_turn_rate_radps, params.visit_s});
     if (committed) put_first(*committed, planned);
     status.left_s = planned.completion_s;
     pending = Pending{now, now + from_seconds(params.plan_latency_s), std::move(planned)};
+  }
+
+  /// Found twice, with a few images in between, to have nothing left to do.
+  void end() {
+    status.done = last_image.has_value();
+    status.left_s = 0;
+    status.activity = "nothing is left that could be completed";
+    last_image = images + kLastImages;
+    low_level.set_tour(tour = {});
+    pieces.clear();
   }
 
   /// Places where the robot can turn come first; then any; then also those to which no leg was found once.
@@ -253,7 +256,7 @@ struct Explorer::State {
     const std::vector<DrivePiece> turns = turn_about(pose);
     pieces.assign(turns.begin(), turns.end());
     recovering = true;
-    moved_at = now;
+    standstill.begin(now);
   }
 
   void begin_dwell(std::int64_t target) {
@@ -268,7 +271,7 @@ struct Explorer::State {
       team.retries = 0;
       const std::vector<DrivePiece> leg = pieces_of(*output.leg);
       pieces.assign(leg.begin(), leg.end());
-      moved_at = now;
+      standstill.begin(now);
       return next_piece();
     }
     if (output.order == DriveOrder::kStop) {
@@ -306,7 +309,7 @@ struct Explorer::State {
     status.activity = "getting out of where it is boxed in";
     pieces = {piece_of(*recovery, pose)};
     recovering = true;
-    moved_at = now;
+    standstill.begin(now);
     return true;
   }
 
@@ -319,7 +322,7 @@ struct Explorer::State {
   /// The last resort, once per place: back to where it was a moment ago, though the map has something there now. The
   /// guard that stops it for what it sees is still awake.
   bool recover_by_the_way_it_came(Time now, const Ground& ground, const Pose2& pose) {
-    if (now - moved_at < from_seconds(params.stuck_s)) return false;
+    if (standstill.lasted(now) < from_seconds(params.stuck_s)) return false;
     RecoveryParams bold = params.recovery;
     bold.max_deeper_m += params.footprint_margin_m + params.grid.cell_m;
     return recover(now, pose, back_off(ground, pose, trail, kBackOffM, bold), kRecoveriesPerPlace + 1);
@@ -406,7 +409,7 @@ struct Explorer::State {
     const std::vector<DrivePiece> leg = pieces_of(*aside);
     pieces.assign(leg.begin(), leg.end());
     recovering = true;
-    moved_at = now;
+    standstill.begin(now);
     low_level.set_tour({});
     dwell.reset();
     status.activity = "stepping aside for a teammate";

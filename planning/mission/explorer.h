@@ -17,6 +17,7 @@
 #include "common/time.h"
 #include "mapping/exchange/map_patch.h"
 #include "mapping/tsdf/tsdf_map.h"
+#include "planning/local/fresh_obstacles.h"
 #include "planning/local/low_level_planner.h"
 #include "planning/local/recovery.h"
 #include "planning/mission/tour_planner.h"
@@ -29,6 +30,7 @@ struct ExplorerParams {
   ViewpointParams viewpoints;
   mapping::TsdfParams tsdf;
   GroundGridParams grid;
+  FreshObstacleParams fresh;
   FootprintParams footprint;
   DriveCosts costs;
   LowLevelParams low_level;
@@ -53,6 +55,7 @@ struct ExplorerParams {
     visitor.group("viewpoints", self.viewpoints, "where to look from");
     visitor.group("tsdf", self.tsdf, "the map");
     visitor.group("grid", self.grid, "the ground as the map knows it");
+    visitor.group("fresh", self.fresh, "what appears on free ground");
     visitor.group("footprint", self.footprint, "what the robot covers of it");
     visitor.group("costs", self.costs, "what drives cost");
     visitor.group("low_level", self.low_level, "legs and when to plan anew");

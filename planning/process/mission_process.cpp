@@ -161,7 +161,8 @@ struct MissionProcess::State {
       }
       guard(depth.map, *at);
       if (member) member->mask(stamp, depth.map, at->T_frame_body * eyes->T_body_cam);
-      task->see(depth.map, at->T_frame_body * eyes->T_body_cam, to_pose2(at->T_frame_body));
+      // The end was decided on what was seen until then; the certificate speaks of that.
+      if (!life.ended()) task->see(depth.map, at->T_frame_body * eyes->T_body_cam, to_pose2(at->T_frame_body));
       step_task();
     }
   }

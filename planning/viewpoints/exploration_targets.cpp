@@ -171,6 +171,8 @@ struct ExplorationTargets::State {
   void add_look(InVain& sum, const Sight& sight, const CameraView& view, const UnknownVoxel& unknown, bool meant,
                 bool blank) const;
   void keep_ids(std::vector<Cluster>& clusters);
+  /// What stayed incomplete once is looked at again for long enough to settle it.
+  void insist(std::vector<Viewpoint>& viewpoints, const Sight& sight) const;
   /// Unknown voxels for which the last plan has a viewpoint at this pose.
   [[nodiscard]] VoxelSet meant_from(const TsdfMap& map, const Pose2& pose) const;
 };
@@ -260,6 +262,7 @@ Targets ExplorationTargets::plan(const TsdfMap& map, const FreeSpace& free_space
   if (cover.postponed)
     targets.postponed = cover.left.size() + static_cast<std::size_t>(std::count(small.begin(), small.end(), 1));
   targets.remaining = settle_the_rest(cover, sight, free_space, robot, params, small);
+  if (!thesis) state_->insist(cover.viewpoints, sight);
   const Partition partition = thesis ? cluster_by_single_linkage(cover.viewpoints, params)
                                      : cluster_by_drive(cover.viewpoints, params, free_space);
   targets.clusters = make_clusters(cover.viewpoints, partition, sight, params);
@@ -279,6 +282,18 @@ void ExplorationTargets::State::add_look(InVain& sum, const Sight& sight, const 
   const double near_m = stand_off_m(camera, params.delta_pose_m, unknown.centre_m.z()) + kFartherM;
   if (shown && blank && view.depth_m(unknown.centre_m) <= near_m) {
     sum.blank += std::min(weight, params.blank_factor / kLeastBlankLooks);
+  }
+}
+
+void ExplorationTargets::State::insist(std::vector<Viewpoint>& viewpoints, const Sight& sight) const {
+  for (Viewpoint& viewpoint : viewpoints) {
+    const CameraView view(camera, viewpoint.pose);
+    for (const VoxelIndex& element : viewpoint.elements) {
+      if (!visits.contains(element)) continue;
+      const double depth_m = view.depth_m((element.cast<double>().array() + 0.5) * sight.voxel_m());
+      const double looks = std::ceil(params.blank_factor * sight.known_weight() * depth_m * depth_m);
+      viewpoint.looks = std::max(viewpoint.looks, static_cast<int>(std::min<double>(looks, params.max_looks)));
+    }
   }
 }
 

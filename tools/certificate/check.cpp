@@ -73,6 +73,17 @@ std::vector<double> piece_lengths_m(const planning::CertificateFile& file) {
   return lengths_m;
 }
 
+/// Whether no legal pose has the place in sight, as far as a map of such voxels can tell: surface may be h off, towards
+/// the place and to the sides of the line of sight.
+bool is_out_of_sight(const Eigen::Vector3d& place_m, const evaluation::LegalViews& views, double tolerance_m,
+                     std::string& remark) {
+  const auto count = views.count(place_m, tolerance_m, tolerance_m);
+  const int at_all = views.count(place_m, tolerance_m).in_sight;
+  remark += fmt::format("in view from {} legal poses, in sight from {}, {} of them with {:.2f} m to spare",
+                        count.in_view, at_all, count.in_sight, tolerance_m);
+  return count.in_sight == 0;
+}
+
 /// Does the reason hold in the true world? The remark says what was found.
 bool holds(const CertifiedElement& element, const planning::CertificateContext& context,
            const CertificateEvidence& evidence, double piece_m, std::string& remark) {
@@ -91,15 +102,15 @@ bool holds(const CertifiedElement& element, const planning::CertificateContext& 
     const double weight = weight_of_looks(camera, evidence, element.place_m, tolerance_m);
     const double enough = context.give_up_factor * context.known_weight;
     remark = fmt::format("looks worth {:.2f}, {:.2f} are enough", weight, enough);
-    return weight >= enough;
+    if (weight >= enough) return true;
+    remark += "; ";
+    return is_out_of_sight(element.place_m, evidence.views, tolerance_m, remark);
   }
   if (element.verdict == Verdict::kCompletable) {
     remark = "says itself that it could be completed";
     return false;
   }
-  const auto count = evidence.views.count(element.place_m, tolerance_m);
-  remark = fmt::format("in view from {} legal poses, in sight from {}", count.in_view, count.in_sight);
-  return count.in_sight == 0;
+  return is_out_of_sight(element.place_m, evidence.views, tolerance_m, remark);
 }
 
 double contact_percent(const planning::CertificateContext& context, const sim::World& world) {

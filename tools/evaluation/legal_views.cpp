@@ -161,6 +161,23 @@ struct LegalViews::State {
     return false;
   }
 
+  /// Along its middle and its four sides.
+  [[nodiscard]] bool has_clear_beam(const Vector3d& from, const Vector3d& to, double stop_short_m,
+                                    double beam_m) const {
+    const Vector3d d = to - from, end = from + std::max(0.0, 1 - stop_short_m / d.norm()) * d;
+    const Vector3d side = beam_m * d.cross(Vector3d::UnitZ()).normalized(), up = beam_m * side.cross(d).normalized();
+    SightLines lines(tracer);
+    lines.add(from, end, 0);
+    int added = 1, clear = 0;
+    if (beam_m > 0) {
+      for (const Vector3d& offset : {side, Vector3d(-side), up, Vector3d(-up)}) {
+        lines.add(from + offset, end + offset, added++);
+      }
+    }
+    lines.test([&](int) { ++clear; });
+    return clear == added;
+  }
+
   /// The end of the line of sight from a station to a piece of surface, unless it is seen at too flat an angle.
   [[nodiscard]] std::optional<Vector3d> target(const Station& station, const Vector3d& p, const Vector3d& n) const {
     const Vector3d d = station.camera_m - p;
@@ -210,32 +227,22 @@ bool LegalViews::see(const Vector3d& p, const Vector3d& normal) const {
   return seen;
 }
 
-LegalViews::Count LegalViews::count(const Vector3d& p, double stop_short_m) const {
+LegalViews::Count LegalViews::count(const Vector3d& p, double stop_short_m, double beam_m) const {
   const State& s = *state_;
-  SightLines lines(s.tracer);
   Count count;
-  const auto clear = [&](int headings) { count.in_sight += headings; };
   s.any_near(p, [&](int i) {
     const Station& station = s.stations[static_cast<std::size_t>(i)];
     const int headings = s.headings_with(station, p);
     if (headings == 0) return false;
     count.in_view += headings;
-    const Vector3d d = p - station.camera_m;
-    lines.add(station.camera_m, station.camera_m + std::max(0.0, 1 - stop_short_m / d.norm()) * d, headings);
-    if (lines.full()) lines.test(clear);
+    if (s.has_clear_beam(station.camera_m, p, stop_short_m, beam_m)) count.in_sight += headings;
     return false;
   });
-  lines.test(clear);
   return count;
 }
 
 bool LegalViews::in_line_of_sight(const Vector3d& from_m, const Vector3d& p, double stop_short_m) const {
-  SightLines lines(state_->tracer);
-  const Vector3d d = p - from_m;
-  lines.add(from_m, from_m + std::max(0.0, 1 - stop_short_m / d.norm()) * d, 0);
-  bool seen = false;
-  lines.test([&](int) { seen = true; });
-  return seen;
+  return state_->has_clear_beam(from_m, p, stop_short_m, 0);
 }
 
 }  // namespace arpent::evaluation

@@ -45,8 +45,9 @@ class LegalViews {
     int in_view = 0;   ///< poses with the point in the frustum
     int in_sight = 0;  ///< of them, those with nothing in between
   };
-  /// Lines of sight end `stop_short_m` before the point.
-  [[nodiscard]] Count count(const Eigen::Vector3d& p_world_m, double stop_short_m) const;
+  /// Lines of sight end `stop_short_m` before the point. With `beam_m` they are in sight only with so much room to all
+  /// four sides: what is seen past an edge or along a wall nearer than that is not.
+  [[nodiscard]] Count count(const Eigen::Vector3d& p_world_m, double stop_short_m, double beam_m = 0) const;
   /// Whether a camera at `from_m` has the point in the line of sight.
   [[nodiscard]] bool in_line_of_sight(const Eigen::Vector3d& from_m, const Eigen::Vector3d& p_world_m,
                                       double stop_short_m) const;

@@ -92,6 +92,20 @@ TEST(LegalViews, CountsEqualBruteForceOverAllPoses) {
   EXPECT_GT(partly, 20);
 }
 
+TEST(LegalViews, ABeamNeedsRoomOnAllSides) {
+  // A slot of 0.12 m between two tall boxes, and the free floor beside it.
+  const auto world = room_with(
+      "  - box: {centre_m: [3, 0.97, 0.5], size_m: [0.4, 1.94, 1], texture: plain}\n"
+      "  - box: {centre_m: [3, 2.91, 0.5], size_m: [0.4, 1.7, 1], texture: plain}\n");
+  const LegalViews views(world, {1, 2, 0}, small_robot());
+  const Eigen::Vector3d through(3.4, 2.0, 0.4), open(2.0, 2.0, 0.4);
+  EXPECT_GT(views.count(through, 0).in_sight, 0);
+  EXPECT_GT(views.count(through, 0, 0.04).in_sight, 0);
+  EXPECT_EQ(views.count(through, 0, 0.0866).in_sight, 0);
+  EXPECT_EQ(views.count(open, 0, 0.0866).in_view, views.count(open, 0).in_view);
+  EXPECT_GT(views.count(open, 0, 0.0866).in_sight, 0);
+}
+
 TEST(LegalViews, FlatLooksDoNotCount) {
   // The top of a box of 0.35 m: 5 cm below the camera, so that from 0.3 m on its normal is more than 80 degrees off.
   const auto world = room_with("  - box: {centre_m: [3, 2, 0.175], size_m: [0.4, 0.4, 0.35], texture: plain}\n");

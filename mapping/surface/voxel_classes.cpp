@@ -7,13 +7,16 @@
 namespace arpent::mapping {
 namespace {
 
-void classify(const Block& block, float known_weight, BlockClasses& classes) {
+void classify(const Block& block, const TsdfParams& params, BlockClasses& classes) {
+  const auto known_weight = static_cast<float>(params.known_weight), deep_m = static_cast<float>(-params.voxel_m);
   for (std::size_t z = 0; z < kBlockSide; ++z) {
-    std::uint64_t known = 0, outside = 0;
+    std::uint64_t known = 0, outside = 0, deep = 0;
     for (std::size_t i = 0; i < 64; ++i) {
       known |= static_cast<std::uint64_t>(block.weight[64 * z + i] >= known_weight ? 1 : 0) << i;
       outside |= static_cast<std::uint64_t>(block.distance_m[64 * z + i] > 0 ? 1 : 0) << i;
+      deep |= static_cast<std::uint64_t>(block.distance_m[64 * z + i] < deep_m ? 1 : 0) << i;
     }
+    classes.inferred[z] = known & deep;
     classes.empty[z] = known & outside;
     classes.occupied[z] = known & ~outside;
   }
@@ -50,7 +53,7 @@ std::vector<std::size_t> VoxelClasses::update(const TsdfMap& map) {
     const bool fresh = i >= blocks_.size();
     if (!fresh && block.revision <= revision_) continue;
     if (fresh) adopt(block.index);
-    classify(block, static_cast<float>(storage.params.known_weight), *blocks_[i]);
+    classify(block, storage.params, *blocks_[i]);
     touched.push_back(i);
   }
   revision_ = storage.revision;

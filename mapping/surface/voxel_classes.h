@@ -29,6 +29,9 @@ struct BlockClasses {
   BlockIndex index;
   BlockBits empty{};     ///< weight >= W_th and distance > 0
   BlockBits occupied{};  ///< weight >= W_th and distance <= 0
+  /// Of the occupied ones, those more than a voxel below the surface. That there is matter was never measured: behind a
+  /// corner the depth of the surface before it says the same of free space.
+  BlockBits inferred{};
   /// The block at index + (dx, dy, dz), each in {-1, 0, 1}, is at (dx + 1) + 3 ((dy + 1) + 3 (dz + 1)); null if the map
   /// has none there. 13 is the block itself.
   std::array<const BlockClasses*, 27> around{};

@@ -23,6 +23,10 @@ constexpr double kStandsMps = 0.05;
 constexpr Duration kAsideAgain = std::chrono::seconds(4);
 /// Ways in a row that may not be begun, after which the robot makes room by itself.
 constexpr int kRefusedTooOften = 8;
+/// So many, and the teammate that is in the way is asked for room.
+constexpr int kRefusedOften = 3;
+/// A robot that is jammed again this near to where it was has not got out by stepping aside.
+constexpr double kSamePlaceM = 0.2;
 
 /// What is left of the way from the point nearest to the body.
 std::vector<Eigen::Vector2d> rest_of(const std::vector<Eigen::Vector2d>& way_m, const Eigen::Vector2d& body_m) {
@@ -138,9 +142,11 @@ bool TeamMember::step(MissionState mission, Time stamp, const Pose2& body, const
   const planning::TrafficDecision decision = traffic_.step(clock_.now(), own(body), vehicles());
   const bool yields = decision.advice == planning::TrafficAdvice::kYield;
   const bool stop = yields && !yields_;
+  // What it was stopped on is void: the next leg is looked for anew, with the next depth image.
+  if (yields_ && !yields) way_ = {};
   if (stop) bus_.health().count("TRAFFIC", "stops");
   yields_ = yields;
-  yields_to_ = decision.because_of;
+  if (yields) yields_to_ = decision.because_of;
   explorer_.set_traffic(bodies_in_the_way(body), decision.advice);
   if (mission == MissionState::kRunning && !yields) make_room(body);
   report(mission, stamp, body, position_sigma_m);
@@ -174,8 +180,11 @@ void TeamMember::make_room(const Pose2& body) {
     if (!asks && !jammed) continue;
     aside_at_ = clock_.now();
     refused_ = 0;
+    const bool again = jammed && jammed_m_ && (*jammed_m_ - body.position_m()).norm() < kSamePlaceM;
+    if (jammed) jammed_m_ = body.position_m();
     const Pose2 to = mate.state.target.value_or(body);
-    const bool aside = explorer_.step_aside(clock_.now(), body, mate.state.body, to, params_.traffic.aside_clear_m);
+    const bool aside =
+        !again && explorer_.step_aside(clock_.now(), body, mate.state.body, to, params_.traffic.aside_clear_m);
     if (!aside && jammed) explorer_.give_up_tour();
     bus_.health().count("TRAFFIC", aside ? "asides" : "no_way_aside");
     return;
@@ -202,7 +211,11 @@ void TeamMember::report(MissionState mission, Time stamp, const Pose2& body, dou
   state.tour = tour_;
   state.idle = explorer_.idle();
   state.target = explorer_.target();
-  if (explorer_.kept_by_bodies()) state.blocked_by = nearest_to(body);
+  if (explorer_.kept_by_bodies()) {
+    state.blocked_by = nearest_to(body);
+  } else if (refused_ >= kRefusedOften) {
+    state.blocked_by = yields_to_;
+  }
   if (mission == MissionState::kRunning && !yields_) state.path_m = shorten(rest_of(way_.points_m, body.position_m()));
   publish(bus_, channels::kRobotState, planning::to_wire(state));
   for (const planning::TargetEvent& event : explorer_.take_events()) {

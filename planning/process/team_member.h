@@ -78,8 +78,9 @@ class TeamMember {
   planning::PathRequest way_;  ///< that it drives, or would drive when it was stopped by traffic
   Twist2 twist_;
   bool yields_ = false;
-  std::string yields_to_;
-  int refused_ = 0;  ///< ways in a row that could not be begun
+  std::string yields_to_;                    ///< for the last time
+  int refused_ = 0;                          ///< ways in a row that could not be begun
+  std::optional<Eigen::Vector2d> jammed_m_;  ///< where that happened too often for the last time
   std::int64_t tour_ = -1;
   std::optional<Time> newest_stamp_, aside_at_;
 };

@@ -4,13 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 
 namespace arpent::planning {
 namespace {
-
-constexpr double kAnyReachM = std::numeric_limits<double>::infinity();
 
 /// Farthest body from which the camera may see a point, on the ground: the corner of the frustum.
 double reach_m(const LevelCamera& camera) {
@@ -86,7 +83,7 @@ Certifier::Answer Certifier::search(const UnknownVoxel& unknown) const {
       const CameraView view(sight_.camera(), poses_[i]);
       if (!view.contains(unknown.centre_m)) continue;
       ++answer.in_view;
-      if (!sight_.shows(view, unknown, kAnyReachM)) continue;
+      if (!sight_.may_show(view, unknown)) continue;
       ++answer.in_sight;
       if (unknown.given_up || params_.max_looks * Sight::share_of_look(view, unknown) < 1) continue;
       const bool sure = sight_.measures(view, unknown);

@@ -41,8 +41,8 @@ struct Certificate {
 };
 
 /// Tries every reachable pose of a lattice: positions `lattice_m` apart around all elements, kHeadings headings. Only
-/// occupied voxels occlude: what is merely unknown may turn out to be empty, so it excuses nothing. Poses that measure
-/// (Sight) come before those that only show.
+/// occupied voxels occlude, and of them those at a surface: what is unknown or only inferred to be occupied may turn
+/// out to be empty, so it excuses nothing. Poses that measure (Sight) come before those that only show.
 class Certifier {
  public:
   static constexpr int kHeadings = 12;

@@ -24,8 +24,9 @@ constexpr double kAnyReachM = std::numeric_limits<double>::infinity();
 constexpr double kAtHeadingRad = 0.26;
 /// A few looks from close by are not enough to give a voxel up: one picture may be blurred.
 constexpr double kLeastBlankLooks = 4;
-/// Viewpoints that complete nothing in two visits will not in a third.
-constexpr int kVisits = 2;
+/// Viewpoints that complete nothing in two visits will not in a third. A visit that shows that the element cannot be
+/// seen from there counts half: from elsewhere it may.
+constexpr int kHalfVisits = 4;
 
 /// Viewpoints of the `thesis` preset, and which elements have none.
 Cover generate_as_printed(const Sight& sight, const FreeSpace& free_space, const Pose2& robot,
@@ -46,11 +47,11 @@ Cover generate_as_printed(const Sight& sight, const FreeSpace& free_space, const
   return cover;
 }
 
-bool shows_all(const Sight& sight, std::uint32_t element, const Pose2& pose) {
+bool may_show_all(const Sight& sight, std::uint32_t element, const Pose2& pose) {
   const CameraView view(sight.camera(), pose);
   const auto unknowns = sight.unknowns_of(element);
   return std::all_of(unknowns.begin(), unknowns.end(),
-                     [&](std::uint32_t u) { return sight.shows(view, sight.unknowns()[u], kAnyReachM); });
+                     [&](std::uint32_t u) { return sight.may_show(view, sight.unknowns()[u]); });
 }
 
 /// Viewpoints from which no more is known than that the element would be in sight: the attempt is what settles it.
@@ -58,7 +59,7 @@ void add_attempt(std::vector<Viewpoint>& attempts, const Sight& sight, std::uint
                  const std::vector<Pose2>& poses, int looks) {
   const VoxelIndex& voxel = sight.elements()[element].voxel;
   for (Viewpoint& attempt : attempts) {
-    if (!shows_all(sight, element, attempt.pose)) continue;
+    if (!may_show_all(sight, element, attempt.pose)) continue;
     attempt.elements.push_back(voxel);
     return;
   }
@@ -162,7 +163,7 @@ struct ExplorationTargets::State {
   mapping::IncompleteSurface surface;
   std::unordered_map<VoxelIndex, InVain, mapping::BlockHash> in_vain;
   VoxelSet given_up;
-  /// How often an element was still incomplete after all looks of a viewpoint meant for it.
+  /// How often an element was still incomplete after all looks of a viewpoint meant for it, in half visits.
   std::unordered_map<VoxelIndex, int, mapping::BlockHash> visits;
   std::vector<Cluster> last;
   int next_id = 0;
@@ -230,9 +231,15 @@ void ExplorationTargets::note_looks(const TsdfMap& map, std::span<const Pose2> p
 }
 
 void ExplorationTargets::note_visit(const TsdfMap& map, const Viewpoint& viewpoint) {
+  const Sight sight(state_->camera, state_->surface, map, state_->given_up);
+  const CameraView view(state_->camera, viewpoint.pose);
   for (const VoxelIndex& element : viewpoint.elements) {
-    if (!state_->surface.contains(element) || ++state_->visits[element] < kVisits) continue;
+    if (!state_->surface.contains(element)) continue;
     const auto unknown = state_->surface.unknown_beside(element, map);
+    const bool in_sight = std::all_of(unknown.begin(), unknown.end(), [&](const VoxelIndex& voxel) {
+      return sight.shows(view, {.voxel = voxel, .centre_m = map.centre_m(voxel)}, kAnyReachM);
+    });
+    if ((state_->visits[element] += in_sight ? 2 : 1) < kHalfVisits) continue;
     state_->given_up.insert(unknown.begin(), unknown.end());
   }
 }

@@ -62,7 +62,8 @@ class ExplorationTargets {
   void note_looks(const mapping::TsdfMap& map, std::span<const Pose2> poses);
 
   /// Notes that all looks which `viewpoint` is meant for were taken there. Elements that are still incomplete after a
-  /// second time are given up: below the sensing limit, whatever was promised.
+  /// second time are given up: below the sensing limit, whatever was promised. Looks that only showed that something
+  /// stands before the element count half.
   void note_visit(const mapping::TsdfMap& map, const Viewpoint& viewpoint);
 
   /// Why each element is incomplete now, in their order, and the poses that were tried for it: what a mission leaves

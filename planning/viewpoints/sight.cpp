@@ -18,7 +18,8 @@ bool bit_at(const mapping::BlockBits& bits, const VoxelIndex& v) {
 
 }  // namespace
 
-Trace trace(const VoxelClasses& classes, const Eigen::Vector3d& from_voxels, const Eigen::Vector3d& to_voxels) {
+Trace trace(const VoxelClasses& classes, const Eigen::Vector3d& from_voxels, const Eigen::Vector3d& to_voxels,
+            Inferred inferred) {
   // Amanatides and Woo, "A fast voxel traversal algorithm", Eurographics 1987, from one block to the next by its
   // pointers. Each axis has so many walls to cross and no more: rounding cannot lead past the end.
   constexpr std::array<int, 3> kStride = {1, 3, 9};
@@ -37,7 +38,8 @@ Trace trace(const VoxelClasses& classes, const Eigen::Vector3d& from_voxels, con
   double entered = 0;
   for (int steps = left.cwiseAbs().sum();; --steps) {
     if (block == nullptr || !bit_at(block->empty, voxel)) {
-      met.occupied = block != nullptr && bit_at(block->occupied, voxel);
+      met.occupied = block != nullptr && bit_at(block->occupied, voxel) &&
+                     !(inferred == Inferred::kIsUnknown && bit_at(block->inferred, voxel));
       if (met.occupied) return met;
       met.clear_share = std::min(met.clear_share, entered);
     }
@@ -86,15 +88,15 @@ bool Sight::is_given_up(std::size_t element) const {
   return std::any_of(unknowns.begin(), unknowns.end(), [&](std::uint32_t u) { return unknowns_[u].given_up; });
 }
 
-bool Sight::reaches(const CameraView& view, const Eigen::Vector3d& p_map_m, double stop_short_m,
-                    double unknown_reach_m) const {
+bool Sight::reaches(const CameraView& view, const Eigen::Vector3d& p_map_m, double stop_short_m, double unknown_reach_m,
+                    Inferred inferred) const {
   // Nothing nearer than the least depth is seen: there the ray begins.
   const Eigen::Vector3d ray = p_map_m - view.position_m();
   const double begin = camera_.min_range_m / view.depth_m(p_map_m);
   const double end = 1 - stop_short_m / ray.norm();
   if (end <= begin) return true;
-  const Trace met =
-      trace(classes_, (view.position_m() + begin * ray) / voxel_m_, (view.position_m() + end * ray) / voxel_m_);
+  const Trace met = trace(classes_, (view.position_m() + begin * ray) / voxel_m_,
+                          (view.position_m() + end * ray) / voxel_m_, inferred);
   if (met.occupied) return false;
   return met.clear_share >= 1 || (1 - met.clear_share) * (end - begin) * ray.norm() <= unknown_reach_m;
 }
@@ -104,7 +106,7 @@ std::vector<std::uint32_t> Sight::see_elements(const Pose2& pose) const {
   std::vector<std::uint32_t> seen;
   for (std::uint32_t i = 0; i < elements_.size(); ++i) {
     const Eigen::Vector3d& p = elements_[i].centre_m;
-    if (view.contains(p) && reaches(view, p, 0, 0)) seen.push_back(i);
+    if (view.contains(p) && reaches(view, p, 0, 0, Inferred::kBlocks)) seen.push_back(i);
   }
   return seen;
 }
@@ -118,7 +120,13 @@ bool Sight::measures(const CameraView& view, const UnknownVoxel& unknown) const 
 }
 
 bool Sight::shows(const CameraView& view, const UnknownVoxel& unknown, double unknown_reach_m) const {
-  return view.contains(unknown.centre_m) && reaches(view, unknown.centre_m, voxel_m_, unknown_reach_m);
+  return view.contains(unknown.centre_m) &&
+         reaches(view, unknown.centre_m, voxel_m_, unknown_reach_m, Inferred::kBlocks);
+}
+
+bool Sight::may_show(const CameraView& view, const UnknownVoxel& unknown) const {
+  constexpr double kAnyReachM = std::numeric_limits<double>::infinity();
+  return view.contains(unknown.centre_m) && reaches(view, unknown.centre_m, voxel_m_, kAnyReachM, Inferred::kIsUnknown);
 }
 
 std::vector<Look> Sight::look_at_unknowns(const Pose2& pose, double unknown_reach_m,

@@ -24,10 +24,13 @@ struct Trace {
   double clear_share = 1;
 };
 
+/// What voxels are on a ray that the map only infers to be occupied (BlockClasses).
+enum class Inferred : std::uint8_t { kBlocks, kIsUnknown };
+
 /// Walks through every voxel of the segment, both ends included. Ends in voxels: map coordinates divided by the voxel's
 /// edge.
 [[nodiscard]] Trace trace(const mapping::VoxelClasses& classes, const Eigen::Vector3d& from_voxels,
-                          const Eigen::Vector3d& to_voxels);
+                          const Eigen::Vector3d& to_voxels, Inferred inferred = Inferred::kBlocks);
 
 /// A voxel that must become known before the elements beside it are complete (thesis Def. 3).
 struct UnknownVoxel {
@@ -86,6 +89,8 @@ class Sight {
   [[nodiscard]] bool measures(const CameraView& view, const UnknownVoxel& unknown) const;
   /// Whether the view shows the unknown voxel: it is in view, and a ray comes to it as look_at_unknowns() says.
   [[nodiscard]] bool shows(const CameraView& view, const UnknownVoxel& unknown, double unknown_reach_m) const;
+  /// Whether it would if all that is unknown, or only inferred to be occupied, were empty: that is to be tried.
+  [[nodiscard]] bool may_show(const CameraView& view, const UnknownVoxel& unknown) const;
   /// What one look from there adds.
   [[nodiscard]] static double share_of_look(const CameraView& view, const UnknownVoxel& unknown) {
     return 1.0 / ((unknown.centre_m - view.position_m()).squaredNorm() * unknown.missing_weight);
@@ -93,7 +98,7 @@ class Sight {
 
  private:
   [[nodiscard]] bool reaches(const CameraView& view, const Eigen::Vector3d& p_map_m, double stop_short_m,
-                             double unknown_reach_m) const;
+                             double unknown_reach_m, Inferred inferred) const;
 
   LevelCamera camera_;
   const mapping::VoxelClasses& classes_;

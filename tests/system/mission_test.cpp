@@ -105,6 +105,45 @@ TEST_F(MissionTest, ARobotExploresByItselfWithoutTouchingAnything) {
   EXPECT_GT(result.reports.back().progress, 0.4);
 }
 
+/// Silent cameras, lost odometry, something new in the way: the robot waits or drives around, and finishes its job.
+TEST_F(MissionTest, ARobotGoesOnAfterWhatGoesWrongAndTouchesNothing) {
+  MissionOverrides overrides;
+  overrides.sensing = "depth";
+  overrides.settings = {"sim.faults.obstacle_at_s=12", "sim.faults.obstacle=[1.5,5.0,0.3]", "sim.faults.silent_at_s=25",
+                        "sim.faults.blind_at_s=40"};
+  const MissionResult result = run(load_mission(kConfig / "missions/test_arena.yaml", overrides));
+  EXPECT_TRUE(result.done()) << (result.reports.empty() ? "" : result.reports.back().reason);
+  EXPECT_EQ(result.collisions, 0);
+  EXPECT_GT(result.reports.back().progress, 0.9);
+}
+
+/// A room of 3.5 x 3 m without a door, in a region that is larger.
+constexpr const char* kClosedRoom = R"(name: closed
+region: {min_m: [-2, -2, 0], max_m: [6, 5, 1.5]}
+textures: {all: {kind: concrete}}
+surfaces:
+  - plane: {corner_m: [-2, -2, 0], u_m: [8, 0, 0], v_m: [0, 7, 0], texture: all}
+  - box: {centre_m: [-0.1, 1.5, 0.75], size_m: [0.2, 3.4, 1.5], texture: all}
+  - box: {centre_m: [3.6, 1.5, 0.75], size_m: [0.2, 3.4, 1.5], texture: all}
+  - box: {centre_m: [1.75, -0.1, 0.75], size_m: [3.5, 0.2, 1.5], texture: all}
+  - box: {centre_m: [1.75, 3.1, 0.75], size_m: [3.5, 0.2, 1.5], texture: all}
+lighting: {ambient: 1}
+starts: [{x_m: 1.0, y_m: 1.5, yaw_rad: 0}]
+)";
+
+TEST_F(MissionTest, BehindAClosedDoorIsNothingToWaitFor) {
+  fs::create_directories(folder_);
+  atomic_write(folder_ / "closed.yaml", kClosedRoom);
+  MissionOverrides overrides;
+  overrides.sensing = "depth";
+  overrides.world = folder_ / "closed.yaml";
+  const MissionResult result = run(load_mission(kConfig / "missions/test_arena.yaml", overrides));
+  EXPECT_TRUE(result.done()) << (result.reports.empty() ? "" : result.reports.back().reason);
+  EXPECT_EQ(result.collisions, 0);
+  EXPECT_GT(measure(result).path_m, 1.0);
+  EXPECT_GT(result.mesh.triangles.size(), 2000U);
+}
+
 TEST_F(MissionTest, AnExplorationLeavesACertificateAndReplaysByteForByte) {
   MissionOverrides overrides;
   overrides.settings = {"mission.max_time_s=12"};

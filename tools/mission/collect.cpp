@@ -9,6 +9,7 @@
 #include "common/channels.h"
 #include "common/crc32c.h"
 #include "perception/fusion/wire.h"
+#include "planning/team/wire.h"
 #include "tools/mission/run.h"
 #include "tools/replay/compact.h"
 
@@ -46,6 +47,11 @@ void MissionCollector::take(Time time, const std::string& channel, BytesView byt
   } else if (channel == channels::kMissionState) {
     decode<mission_state_t>(bytes, [&](const mission_state_t& m) {
       if (const auto report = planning::from_wire(m)) result_.reports.push_back(*report);
+    });
+  } else if (channel == channels::kTeamTour) {
+    decode<tour_t>(bytes, [&](const tour_t& m) {
+      if (const auto tour = planning::from_wire(m))
+        result_.allotments.push_back({time, tour->robot, tour->viewpoints.size()});
     });
   } else if (channel == channels::kEstop) {
     ++result_.estops;

@@ -37,6 +37,13 @@ struct StampedTwist {
   Twist2 commanded;
 };
 
+/// What the centre of a team gave to a robot.
+struct Allotment {
+  Time stamp;
+  std::string robot;
+  std::size_t viewpoints = 0;
+};
+
 /// Progress bars have so many steps.
 inline constexpr std::size_t kProgressSteps = 1000;
 
@@ -50,6 +57,7 @@ struct MissionResult {
   evaluation::Trajectory estimate;  ///< POSE, as far as it is in the world frame
   std::vector<control::PathOrder> paths;
   std::vector<StampedTwist> commands;  ///< what was sent to the base
+  std::vector<Allotment> allotments;   ///< in a team: all tours that reached the robot's bus, others' too
   std::optional<mapping::MapStatus> map;
   TriangleMesh mesh;
   std::map<std::string, ProcessFigures> processes;

@@ -74,6 +74,27 @@ void add_robots(report::Page& page, const TeamResult& result, const TeamFigures&
              rows);
 }
 
+/// The centre's tours in steps: what a robot holds stays so until the next one.
+void add_allocation(report::Page& page, const TeamResult& result) {
+  page.section("Allocation", "Viewpoints that the centre gave to each robot, over time [s].");
+  std::vector<report::Curve> curves;
+  for (std::size_t i = 0; i < result.robots.size(); ++i) {
+    const MissionResult& robot = result.robots[i];
+    if (robot.truth.empty()) continue;
+    report::Curve curve{result.names[i], kColors[i % kColors.size()], {}};
+    double held = 0;
+    for (const Allotment& allotment : robot.allotments) {
+      if (allotment.robot != result.names[i]) continue;
+      const double time_s = to_seconds(allotment.stamp - robot.truth.front().stamp);
+      curve.points.emplace_back(time_s, held);
+      held = static_cast<double>(allotment.viewpoints);
+      curve.points.emplace_back(time_s, held);
+    }
+    curves.push_back(std::move(curve));
+  }
+  page.plot(curves, "time [s]", "viewpoints", false);
+}
+
 void add_radio(report::Page& page, const TeamResult& result, double time_s) {
   page.section("The radio", "What was on the air, repairs and headers included.");
   std::vector<std::vector<std::string>> rows;
@@ -116,6 +137,7 @@ void write_team_report(const std::filesystem::path& folder, const MissionSpec& s
   add_paths(page, result, f);
   add_map(page, result);
   add_robots(page, result, f);
+  add_allocation(page, result);
   add_radio(page, result, f.time_s);
   report::add_processes(page, result.processes);
   page.write(folder);

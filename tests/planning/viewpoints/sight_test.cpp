@@ -76,6 +76,27 @@ TEST(Trace, TellsWhereTheUnknownBegins) {
   EXPECT_EQ(trace(classes, {-5, 5.5, 5.5}, {4.9, 5.5, 5.5}).clear_share, 0) << "it begins where no block is";
 }
 
+/// Behind the corner of what it saw, a camera leaves "occupied" voxels in free space.
+TEST(Trace, WhatIsOnlyInferredToBeOccupiedBlocksOrIsUnknown) {
+  const Eigen::AlignedBox3d box(Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(2, 2, 2));
+  for (const float distance_m : {-0.1F, -0.19F, -0.21F, -0.5F}) {
+    auto map =
+        make_scene(box, [](const Eigen::Vector3d& p) { return p.x() < 1 ? Content::kEmpty : Content::kOccupied; });
+    for (const auto& block : map.storage().blocks) {
+      for (float& d : block->distance_m) d = d < 0 ? distance_m : d;
+    }
+    mapping::VoxelClasses classes;
+    classes.update(map);
+    const Eigen::Vector3d from(0.5, 5.5, 5.5), to(8.5, 5.5, 5.5);
+    EXPECT_TRUE(trace(classes, from, to).occupied);
+    const Trace met = trace(classes, from, to, Inferred::kIsUnknown);
+    EXPECT_EQ(met.occupied, distance_m > -0.2F) << "a voxel below the surface: " << distance_m;
+    if (!met.occupied) {
+      EXPECT_NEAR(met.clear_share, 4.5 / 8, 1e-12);
+    }
+  }
+}
+
 /// A wall x > 4 known for |y| < 3, before it a box that hides some of it.
 mapping::TsdfMap make_wall() {
   const Eigen::AlignedBox3d known(Eigen::Vector3d(-1, -3, 0), Eigen::Vector3d(4.4, 3, 2.4));

@@ -219,6 +219,48 @@ TEST_F(SimProcessTest, WithoutCommandsTheRobotStandsStill) {
   EXPECT_EQ(local(truth_at(to_utime(kStart) + 20000), end).norm(), 0);
 }
 
+TEST_F(SimProcessTest, WhatGoesWrongOnPurposeBeginsAndEndsWhenItIsSaidTo) {
+  SimConfig faulty = config("depth");
+  faulty.faults.silent_at_s = 1;
+  faulty.faults.silent_s = 1;
+  faulty.faults.blind_at_s = 3;
+  faulty.faults.blind_s = 1;
+  start(faulty);
+  executor_.run_until(kStart + 5s);
+  const auto seconds = [](const auto& received) { return 1e-6 * static_cast<double>(received.second.utime) - 100; };
+  for (const auto& depth : received<depth_t>(channels::kDepth)) {
+    const double s = seconds(depth);
+    EXPECT_FALSE((s > 1.01 && s < 2.01) || (s > 3.01 && s < 4.01)) << s;
+  }
+  EXPECT_EQ(received<depth_t>(channels::kDepth).size(), 15U);
+  const auto odometry = received<odometry_t>(channels::kOdometry);
+  EXPECT_EQ(odometry.size(), 20U) << "when blind it still comes";
+  for (const auto& step : odometry) {
+    EXPECT_EQ(step.second.status == odometry_t::STATUS_LOST, seconds(step) > 3.01 && seconds(step) < 4.01);
+  }
+}
+
+TEST_F(SimProcessTest, AnObstacleAppearsInTheImagesAndInTheWay) {
+  SimConfig faulty = config("depth");
+  faulty.start = 1;  // (1.0, 2.4, 0.7), towards the tag cube
+  faulty.faults.obstacle_at_s = 3;
+  faulty.faults.obstacle = {2.6, 1.3, -0.6};
+  start(faulty);
+  arm();
+  drive({0, -1.0}, 1350ms);
+  executor_.run_until(kStart + 2900ms);
+  const auto ahead_m = [&] {
+    const auto depth = stereo::from_wire(received<depth_t>(channels::kDepth).back().second);
+    return depth->map.depth_m(80, 80);  // on the floor, 2 m ahead
+  };
+  const float floor_m = ahead_m();
+  executor_.run_until(kStart + 4s);
+  EXPECT_LT(ahead_m(), floor_m - 0.5F) << "its stern";
+  EXPECT_EQ(sim_->collisions(), 0);
+  drive({0.4, 0}, 5s);
+  EXPECT_GE(sim_->collisions(), 1);
+}
+
 TEST_F(SimProcessTest, WhatCannotBeSimulatedIsOneClearError) {
   SimConfig bad = config("depth");
   bad.start = 7;

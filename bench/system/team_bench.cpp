@@ -8,6 +8,10 @@
 
 #include "bench/system/team_trials.h"
 #include "common/atomic_file.h"
+#include "common/bus/lockstep.h"
+#include "common/channels.h"
+#include "common/log/event_log.h"
+#include "planning/process/centre_process.h"
 #include "sim/world/random_world.h"
 #include "sim/world/world.h"
 
@@ -85,7 +89,32 @@ void try_random_worlds(Report& report) {
   report.add("random_teams.deadlocks", deadlocks, "1", "bar 0");
 }
 
+/// A centre that is started again with the journal of a whole mission behind it.
+void restart_centre(Report& report) {
+  const fs::path journal = fs::temp_directory_path() / "arpent_restart.lcmlog";
+  fs::remove(journal);
+  TrialSpec spec = depth_trial("parking_lot", 4, 1);
+  spec.settings = {"centre.journal_file=" + journal.string()};
+  (void)run_trial(spec);
+  std::int64_t noted = 0;
+  LogReader reader(journal);
+  while (const auto event = reader.next()) noted += event->channel == channels::kTeamPatch ? 1 : 0;
+  CentreConfig config = tools::load_mission(ARPENT_SOURCE_DIR "/config/missions/parking_lot.yaml", {}).centre;
+  config.journal_file = journal;
+  LockstepExecutor executor{Time(std::chrono::seconds(100))};
+  const auto [bus, clock] = executor.add_process(CentreProcess::kName);
+  std::unique_ptr<CentreProcess> centre;
+  const double ms =
+      cpu_ms([&, &bus = bus, &clock = clock] { centre = std::make_unique<CentreProcess>(config, bus, clock); });
+  report.add("centre.restart_s", 1e-3 * ms, "s", "bar 5");
+  report.add("centre.restart_patches_missing", static_cast<double>(noted - centre->centre().status().patches), "1",
+             "bar 0");
+  centre.reset();
+  fs::remove(journal);
+}
+
 void measure(Report& report) {
+  restart_centre(report);
   compare_objectives(report);
   lose_robots(report);
   try_random_worlds(report);

@@ -19,6 +19,8 @@ using planning::MissionState;
 constexpr double kSentM = 3.0;
 constexpr double kSentSpacingM = 0.2;
 constexpr double kStandsMps = 0.05;
+/// A way that leads nowhere farther than this is driven.
+constexpr double kDrivenM = 0.15;
 /// After a manoeuvre for a teammate, the next not before:
 constexpr Duration kAsideAgain = std::chrono::seconds(4);
 /// Ways in a row that may not be begun, after which the robot makes room by itself.
@@ -200,6 +202,15 @@ std::string TeamMember::nearest_to(const Pose2& body) const {
   return nearest == teammates_.end() ? "" : nearest->first;
 }
 
+/// What teammates are told of the way: nothing once it is driven, or they would wait for a robot that stands.
+std::vector<Eigen::Vector2d> TeamMember::way_ahead(const Eigen::Vector2d& body_m) const {
+  std::vector<Eigen::Vector2d> way_m = shorten(rest_of(way_.points_m, body_m));
+  const bool driven =
+      std::all_of(way_m.begin(), way_m.end(), [&](const Eigen::Vector2d& p) { return (p - body_m).norm() < kDrivenM; });
+  if (driven) way_m.clear();
+  return way_m;
+}
+
 void TeamMember::report(MissionState mission, Time stamp, const Pose2& body, double position_sigma_m) {
   planning::RobotState state;
   state.stamp = stamp;
@@ -216,7 +227,7 @@ void TeamMember::report(MissionState mission, Time stamp, const Pose2& body, dou
   } else if (refused_ >= kRefusedOften) {
     state.blocked_by = yields_to_;
   }
-  if (mission == MissionState::kRunning && !yields_) state.path_m = shorten(rest_of(way_.points_m, body.position_m()));
+  if (mission == MissionState::kRunning && !yields_) state.path_m = way_ahead(body.position_m());
   publish(bus_, channels::kRobotState, planning::to_wire(state));
   for (const planning::TargetEvent& event : explorer_.take_events()) {
     publish(bus_, channels::kTourReport, planning::to_wire(planning::TourReport{stamp, params_.robot, event}));

@@ -65,6 +65,7 @@ class TeamMember {
   [[nodiscard]] planning::Vehicle own(const Pose2& body) const;
   [[nodiscard]] std::vector<Pose2> bodies_in_the_way(const Pose2& body) const;
   [[nodiscard]] std::string nearest_to(const Pose2& body) const;
+  [[nodiscard]] std::vector<Eigen::Vector2d> way_ahead(const Eigen::Vector2d& body_m) const;
   void make_room(const Pose2& body);
   void report(planning::MissionState mission, Time stamp, const Pose2& body, double position_sigma_m);
 

@@ -24,6 +24,7 @@ class TeamMemberTest : public testing::Test {
       std::string fault;
       if (channel != channels::kRobotState || !decode_guarded(bytes, message, fault)) return;
       blocked_by_ = message.blocked_by;
+      sent_points_ = message.path_count;
     });
     const auto [bus, clock] = executor_.add_process("test");
     TeamMemberParams params;
@@ -43,15 +44,17 @@ class TeamMemberTest : public testing::Test {
     state.body = mate;
     executor_.inject(executor_.now(), channels::kTeamState, encode(planning::to_wire(state)));
     executor_.run_until(executor_.now() + 100ms);
-    return member_->step(MissionState::kRunning, executor_.now(), kHere, {}, 0.01);
+    return member_->step(MissionState::kRunning, executor_.now(), here_, {}, 0.01);
   }
-  bool may_drive() { return member_->may_drive(kHere, {{{0, 0}, {2, 0}}, {}, false}); }
+  bool may_drive() { return member_->may_drive(here_, {{{0, 0}, {2, 0}}, {}, false}); }
 
-  static constexpr Pose2 kHere{0, 0, 0}, kInTheWay{1.2, 0, 0}, kElsewhere{8, 0, 0};
+  Pose2 here_{0, 0, 0};
+  static constexpr Pose2 kInTheWay{1.2, 0, 0}, kElsewhere{8, 0, 0};
   LockstepExecutor executor_{Time(100s)};
   std::unique_ptr<planning::Explorer> explorer_;
   std::unique_ptr<TeamMember> member_;
   std::string blocked_by_;
+  int sent_points_ = -1;
 };
 
 TEST_F(TeamMemberTest, AWayThatWasRefusedDoesNotStopItAgain) {
@@ -77,6 +80,17 @@ TEST_F(TeamMemberTest, WhoIsRefusedAgainAndAgainAsksForRoom) {
   EXPECT_TRUE(may_drive());
   for (int i = 0; i < 2; ++i) (void)step(kElsewhere);
   EXPECT_EQ(blocked_by_, "");
+}
+
+/// Teammates would wait for a robot that stands at the end of its way.
+TEST_F(TeamMemberTest, AWayThatIsDrivenIsSentNoLonger) {
+  (void)step(kElsewhere);
+  ASSERT_TRUE(may_drive());
+  for (int i = 0; i < 2; ++i) (void)step(kElsewhere);
+  EXPECT_EQ(sent_points_, 2);
+  here_ = {1.95, 0.02, 0};
+  for (int i = 0; i < 2; ++i) (void)step(kElsewhere);
+  EXPECT_EQ(sent_points_, 0);
 }
 
 }  // namespace

@@ -83,7 +83,7 @@ Certifier::Answer Certifier::search(const UnknownVoxel& unknown) const {
       const CameraView view(sight_.camera(), poses_[i]);
       if (!view.contains(unknown.centre_m)) continue;
       ++answer.in_view;
-      if (!sight_.may_show(view, unknown)) continue;
+      if (!sight_.may_show(view, unknown.centre_m)) continue;
       ++answer.in_sight;
       if (unknown.given_up || params_.max_looks * Sight::share_of_look(view, unknown) < 1) continue;
       const bool sure = sight_.measures(view, unknown);

@@ -3,7 +3,6 @@
 #include "planning/viewpoints/exploration_targets.h"
 
 #include <algorithm>
-#include <limits>
 #include <numbers>
 #include <unordered_map>
 
@@ -19,7 +18,6 @@ namespace {
 using mapping::TsdfMap;
 using mapping::UnknownRule;
 
-constexpr double kAnyReachM = std::numeric_limits<double>::infinity();
 /// A look is taken at a viewpoint if it is within so much of its heading.
 constexpr double kAtHeadingRad = 0.26;
 /// A few looks from close by are not enough to give a voxel up: one picture may be blurred.
@@ -51,7 +49,7 @@ bool may_show_all(const Sight& sight, std::uint32_t element, const Pose2& pose) 
   const CameraView view(sight.camera(), pose);
   const auto unknowns = sight.unknowns_of(element);
   return std::all_of(unknowns.begin(), unknowns.end(),
-                     [&](std::uint32_t u) { return sight.may_show(view, sight.unknowns()[u]); });
+                     [&](std::uint32_t u) { return sight.may_show(view, sight.unknowns()[u].centre_m); });
 }
 
 /// Viewpoints from which no more is known than that the element would be in sight: the attempt is what settles it.
@@ -231,13 +229,14 @@ void ExplorationTargets::note_looks(const TsdfMap& map, std::span<const Pose2> p
 }
 
 void ExplorationTargets::note_visit(const TsdfMap& map, const Viewpoint& viewpoint) {
+  if (is_complete(viewpoint)) return;
   const Sight sight(state_->camera, state_->surface, map, state_->given_up);
   const CameraView view(state_->camera, viewpoint.pose);
   for (const VoxelIndex& element : viewpoint.elements) {
     if (!state_->surface.contains(element)) continue;
     const auto unknown = state_->surface.unknown_beside(element, map);
     const bool in_sight = std::all_of(unknown.begin(), unknown.end(), [&](const VoxelIndex& voxel) {
-      return sight.shows(view, {.voxel = voxel, .centre_m = map.centre_m(voxel)}, kAnyReachM);
+      return sight.shows(view, map.centre_m(voxel), kAnyReachM);
     });
     if ((state_->visits[element] += in_sight ? 2 : 1) < kHalfVisits) continue;
     state_->given_up.insert(unknown.begin(), unknown.end());
@@ -279,8 +278,8 @@ Targets ExplorationTargets::plan(const TsdfMap& map, const FreeSpace& free_space
 
 void ExplorationTargets::State::add_look(InVain& sum, const Sight& sight, const CameraView& view,
                                          const UnknownVoxel& unknown, bool meant, bool blank) const {
-  const bool clear = sight.shows(view, unknown, params.unknown_reach_m);
-  const bool shown = clear || sight.shows(view, unknown, kAnyReachM);
+  const bool clear = sight.shows(view, unknown.centre_m, params.unknown_reach_m);
+  const bool shown = clear || sight.shows(view, unknown.centre_m, kAnyReachM);
   const double weight = 1 / ((unknown.centre_m - view.position_m()).squaredNorm() * sight.known_weight());
   const bool sure = clear && sight.measures(view, unknown);
   const bool tried = meant && (shown || params.preset == "thesis");

@@ -119,14 +119,12 @@ bool Sight::measures(const CameraView& view, const UnknownVoxel& unknown) const 
   return fall_m > 0 && view.depth_m(unknown.centre_m) * camera_above_m <= camera_.max_range_m * fall_m;
 }
 
-bool Sight::shows(const CameraView& view, const UnknownVoxel& unknown, double unknown_reach_m) const {
-  return view.contains(unknown.centre_m) &&
-         reaches(view, unknown.centre_m, voxel_m_, unknown_reach_m, Inferred::kBlocks);
+bool Sight::shows(const CameraView& view, const Eigen::Vector3d& centre_m, double unknown_reach_m) const {
+  return view.contains(centre_m) && reaches(view, centre_m, voxel_m_, unknown_reach_m, Inferred::kBlocks);
 }
 
-bool Sight::may_show(const CameraView& view, const UnknownVoxel& unknown) const {
-  constexpr double kAnyReachM = std::numeric_limits<double>::infinity();
-  return view.contains(unknown.centre_m) && reaches(view, unknown.centre_m, voxel_m_, kAnyReachM, Inferred::kIsUnknown);
+bool Sight::may_show(const CameraView& view, const Eigen::Vector3d& centre_m) const {
+  return view.contains(centre_m) && reaches(view, centre_m, voxel_m_, kAnyReachM, Inferred::kIsUnknown);
 }
 
 std::vector<Look> Sight::look_at_unknowns(const Pose2& pose, double unknown_reach_m,
@@ -135,7 +133,7 @@ std::vector<Look> Sight::look_at_unknowns(const Pose2& pose, double unknown_reac
   std::vector<Look> looks;
   for (std::uint32_t i = 0; i < unknowns_.size(); ++i) {
     if (!wanted.empty() && wanted[i] == 0) continue;
-    if (!measures(view, unknowns_[i]) || !shows(view, unknowns_[i], unknown_reach_m)) continue;
+    if (!measures(view, unknowns_[i]) || !shows(view, unknowns_[i].centre_m, unknown_reach_m)) continue;
     looks.push_back({i, static_cast<float>(share_of_look(view, unknowns_[i]))});
   }
   return looks;

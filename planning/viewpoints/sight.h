@@ -6,6 +6,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <unordered_set>
 #include <vector>
@@ -31,6 +32,9 @@ enum class Inferred : std::uint8_t { kBlocks, kIsUnknown };
 /// edge.
 [[nodiscard]] Trace trace(const mapping::VoxelClasses& classes, const Eigen::Vector3d& from_voxels,
                           const Eigen::Vector3d& to_voxels, Inferred inferred = Inferred::kBlocks);
+
+/// A reach through unknown space that excludes nothing.
+inline constexpr double kAnyReachM = std::numeric_limits<double>::infinity();
 
 /// A voxel that must become known before the elements beside it are complete (thesis Def. 3).
 struct UnknownVoxel {
@@ -87,10 +91,11 @@ class Sight {
   /// of depth. Beyond it there is no depth, and nothing is learned of the voxels before it either: near the floor, a
   /// level camera measures only what is close.
   [[nodiscard]] bool measures(const CameraView& view, const UnknownVoxel& unknown) const;
-  /// Whether the view shows the unknown voxel: it is in view, and a ray comes to it as look_at_unknowns() says.
-  [[nodiscard]] bool shows(const CameraView& view, const UnknownVoxel& unknown, double unknown_reach_m) const;
+  /// Whether the view shows the unknown voxel with this centre: it is in view, and a ray comes to it as
+  /// look_at_unknowns() says.
+  [[nodiscard]] bool shows(const CameraView& view, const Eigen::Vector3d& centre_m, double unknown_reach_m) const;
   /// Whether it would if all that is unknown, or only inferred to be occupied, were empty: that is to be tried.
-  [[nodiscard]] bool may_show(const CameraView& view, const UnknownVoxel& unknown) const;
+  [[nodiscard]] bool may_show(const CameraView& view, const Eigen::Vector3d& centre_m) const;
   /// What one look from there adds.
   [[nodiscard]] static double share_of_look(const CameraView& view, const UnknownVoxel& unknown) {
     return 1.0 / ((unknown.centre_m - view.position_m()).squaredNorm() * unknown.missing_weight);

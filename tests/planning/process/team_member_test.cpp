@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The arpent authors
 // SPDX-License-Identifier: BSD-3-Clause
-// The team's side of a robot whose way a teammate bars: it stops once, asks for room, and gives up in the end.
+// The team's side of a robot whose way a teammate bars: it stops once and asks for room; and of one that has arrived.
 #include "planning/process/team_member.h"
 
 #include <gtest/gtest.h>

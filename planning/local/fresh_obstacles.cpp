@@ -13,6 +13,8 @@ namespace {
 
 /// Depth this much beyond a cell shows that it is empty.
 constexpr double kPastM = 0.15;
+/// What a body touches is at most so far from its rim: errors of the pose.
+constexpr double kTouchM = 0.1;
 
 bool is_depth(double z_m) {
   return z_m > 0 && std::isfinite(z_m);
@@ -44,6 +46,19 @@ void FreshObstacles::look(const stereo::DepthMap& depth, const Pose& T_map_cam, 
   }
   clear(shown, depth, T_map_cam, grid);
   last_ = std::move(shown);
+}
+
+void FreshObstacles::touch(const Footprint& body, const Pose2& pose, GroundGrid& grid) {
+  const Eigen::Vector2d ahead(std::cos(pose.yaw_rad), std::sin(pose.yaw_rad));
+  const Eigen::Vector2d reach_m = Eigen::Vector2d::Constant(body.long_m() + kTouchM);
+  const Cell least = grid.cell_at(pose.position_m() - reach_m), most = grid.cell_at(pose.position_m() + reach_m);
+  for (int i = least.first; i <= most.first; ++i) {
+    for (int j = least.second; j <= most.second; ++j) {
+      const Eigen::Vector2d p_m = grid.centre_m({i, j});
+      if ((p_m - pose.position_m()).dot(ahead) <= 0 || body.contains(pose, p_m)) continue;
+      if (body.contains(pose, p_m, kTouchM) && held_.emplace(Cell{i, j}, 0).second) grid.mark({i, j}, true);
+    }
+  }
 }
 
 /// Cells of which the image shows enough to be no noise, and which the map takes for free ground.

@@ -53,6 +53,10 @@ class FreshObstacles {
   /// row show is marked.
   void look(const stereo::DepthMap& depth, const Pose& T_map_cam, GroundGrid& grid);
 
+  /// A body at `pose` drives forwards and does not get on: something that no image shows may be at the front half of
+  /// its rim. Marked until images see past it.
+  void touch(const Footprint& body, const Pose2& pose, GroundGrid& grid);
+
  private:
   using Cell = GroundGrid::Cell;
   [[nodiscard]] std::set<Cell> find(const stereo::DepthMap& depth, const Pose& T_map_cam, const GroundGrid& grid) const;

@@ -63,8 +63,7 @@ struct Explorer::State {
 
   /// A tour that is thought out but not yet in force.
   struct Pending {
-    Time begun;
-    Time from;
+    Time begun, from;
     PlannedTour tour;
   };
   std::optional<Pending> pending;
@@ -111,7 +110,7 @@ struct Explorer::State {
     status.elements_ever = ever.size();
   }
 
-  ExplorerOrder step(Time now, const Pose2& pose, bool arrived, bool blocked) {
+  ExplorerOrder step(Time now, const Pose2& pose, bool arrived, bool blocked, bool pushes) {
     if (standstill.note(now, pose)) helpless_since.reset();
     if (status.done || status.boxed_in) return {};
     if (pending && now >= pending->from) adopt(now);
@@ -144,7 +143,7 @@ struct Explorer::State {
     if (recovering) return next_piece();
     if (output.order == DriveOrder::kGoOn && low_level.target() &&
         standstill.lasted(now) > from_seconds(params.stuck_s)) {
-      return get_unstuck(now, ground, pose);
+      return get_unstuck(now, ground, pose, pushes);
     }
     return order_for(now, output, arrived);
   }
@@ -290,11 +289,12 @@ struct Explorer::State {
     return order;
   }
 
-  /// The robot stands though it has a leg to drive: it touches something that the map does not know, or was stopped. It
-  /// backs off, and goes on with a tour made anew.
-  ExplorerOrder get_unstuck(Time now, const Ground& ground, const Pose2& pose) {
+  /// The robot stands though it has a leg to drive: it was stopped, or pushes against what nothing shows. It backs off,
+  /// and goes on with a tour made anew.
+  ExplorerOrder get_unstuck(Time now, const Ground& ground, const Pose2& pose, bool pushes) {
     if (const auto target = low_level.target()) team.events.push_back({TargetEvent::Kind::kUnreachable, target->pose});
     low_level.give_up_target({ground, grid, pose});
+    if (pushes) fresh.touch(Footprint(params.footprint), pose, grid);
     tour = {};
     pieces.clear();
     status.activity = "giving up a leg that could not be driven";
@@ -329,7 +329,6 @@ struct Explorer::State {
   }
 
   // In a team.
-
   [[nodiscard]] Ground ground_now(const Pose2& pose) const {
     if (team.bodies.empty()) return Ground(grid, footprint, params.costs);
     return ground_with_bodies(grid, footprint, params.costs, team.bodies, Footprint(params.footprint),
@@ -432,8 +431,8 @@ void Explorer::integrate(const stereo::DepthMap& depth, const Pose& T_map_cam, c
   state_->integrate(depth, T_map_cam, body);
 }
 
-ExplorerOrder Explorer::step(Time now, const Pose2& pose, bool arrived, bool blocked) {
-  return state_->step(now, pose, arrived, blocked);
+ExplorerOrder Explorer::step(Time now, const Pose2& pose, bool arrived, bool blocked, bool pushes) {
+  return state_->step(now, pose, arrived, blocked, pushes);
 }
 
 void Explorer::restart() {

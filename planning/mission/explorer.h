@@ -123,8 +123,9 @@ class Explorer {
   /// A depth image and where its camera and the body were.
   void integrate(const stereo::DepthMap& depth, const Pose& T_map_cam, const Pose2& body);
   /// One step, after each depth image and whenever the tracker has arrived. `arrived`: the tracker stands at the end of
-  /// the last piece that was ordered. `blocked`: somebody stopped the robot for something in its way.
-  [[nodiscard]] ExplorerOrder step(Time now, const Pose2& pose, bool arrived, bool blocked);
+  /// the last piece that was ordered. `blocked`: somebody stopped the robot for something in its way. `pushes`: the
+  /// tracker drives on along the piece, and nobody stops it; if it stands nevertheless, it touches something.
+  [[nodiscard]] ExplorerOrder step(Time now, const Pose2& pose, bool arrived, bool blocked, bool pushes = false);
 
   /// The order in force is void (the mission was paused): plans anew from where the robot stands.
   void restart();

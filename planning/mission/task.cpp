@@ -66,7 +66,7 @@ void ExploreTask::see(const stereo::DepthMap& depth, const Pose& T_map_cam, cons
 std::optional<PathRequest> ExploreTask::step(Time now, const Pose2& pose, const DriveState& drive, bool blocked) {
   // Without news there is nothing to decide.
   if (!begun_ || (!std::exchange(seen_, false) && !drive.arrived)) return std::nullopt;
-  const ExplorerOrder order = explorer_.step(now, pose, drive.arrived, blocked);
+  const ExplorerOrder order = explorer_.step(now, pose, drive.arrived, blocked, drive.pushes);
   switch (order.kind) {
     case ExplorerOrder::Kind::kDrive:
       return PathRequest{order.piece.points_m, order.piece.end_heading_rad, order.piece.backwards};

@@ -28,6 +28,7 @@ struct PathRequest {
 struct DriveState {
   bool arrived = false;
   double remaining_m = 0;
+  bool pushes = false;  ///< it drives on along it, and nothing brakes it
 };
 
 struct TaskProgress {

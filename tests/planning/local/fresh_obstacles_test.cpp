@@ -119,6 +119,25 @@ TEST_F(FreshObstaclesTest, WhatIsBelowOrAboveTheRobotIsNotInItsWay) {
   EXPECT_EQ(free_cells(), before);
 }
 
+TEST_F(FreshObstaclesTest, WhatIsTouchedIsInTheWayUntilImagesSeePastIt) {
+  const FlatWorld world;
+  know(world);
+  const Footprint body({});
+  const Pose2 pose{3.0, 3.5, 0};
+  fresh_.touch(body, pose, grid_);
+  EXPECT_EQ(grid_.state({3.0 + body.long_m() + 0.05, 3.5}), CellState::kOccupied) << "before its bow";
+  for (const double y : {3.5 - body.short_m() - 0.05, 3.5 + body.short_m() + 0.05}) {
+    EXPECT_EQ(grid_.state({3.05, y}), CellState::kOccupied) << "beside its front half";
+    EXPECT_EQ(grid_.state({2.9, y}), CellState::kFree) << "beside its rear half";
+  }
+  EXPECT_EQ(grid_.state({3.3, 3.5}), CellState::kFree) << "where it stands";
+  EXPECT_EQ(grid_.state({3.0 + body.long_m() + 0.2, 3.5}), CellState::kFree) << "farther than it can touch";
+  look(world, {5.0, 3.5, 0}, 6);
+  EXPECT_EQ(grid_.state({3.0 + body.long_m() + 0.05, 3.5}), CellState::kOccupied) << "it was not looked at";
+  look(world, {1.5, 3.5, 0}, 6);
+  EXPECT_EQ(grid_.state({3.0 + body.long_m() + 0.05, 3.5}), CellState::kFree);
+}
+
 TEST(FreshObstacles, ABandUpsideDownIsAnError) {
   FreshObstacleParams params;
   params.min_height_m = 0.7;

@@ -5,6 +5,7 @@
 // teammates are in its way.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -77,9 +78,31 @@ class LedExplorerTest : public testing::Test {
     for (const auto& element : surface.elements(explorer_.map())) voxels.push_back(element.voxel);
     return voxels;
   }
-  ExplorerOrder step() {
+  ExplorerOrder step(bool pushes = false) {
     now_ += std::chrono::milliseconds(200);
-    return explorer_.step(now_, start_, false, false);
+    return explorer_.step(now_, start_, false, false, pushes);
+  }
+  /// It stands for some seconds on its way straight ahead, backs off, and is sent there again: whether its way leads
+  /// over where its bow was.
+  bool drives_on_after_standing(bool pushes) {
+    start_.x_m += 1.5;  // where it started, the ground is free whatever happens
+    explorer_.follow({there()}, now_);
+    EXPECT_EQ(step().kind, Kind::kDrive);
+    ExplorerOrder order;
+    for (int i = 0; i < 30 && !order.piece.backwards; ++i) order = step(pushes);
+    EXPECT_TRUE(order.piece.backwards);
+    const Pose2 stood = start_;
+    start_.x_m = order.piece.points_m.back().x();
+    (void)explorer_.step(now_, start_, true, false);
+    Viewpoint beside = there();
+    beside.pose.x_m -= 0.5;  // another target: the first was given up
+    explorer_.follow({beside}, now_);
+    order = {};
+    for (int i = 0; i < 30 && order.kind != Kind::kDrive; ++i) order = step();
+    EXPECT_EQ(order.kind, Kind::kDrive);
+    const Eigen::Vector2d bow_m = stood.position_m() + Eigen::Vector2d(0.55, 0);
+    return std::any_of(order.piece.points_m.begin(), order.piece.points_m.end(),
+                       [&](const Eigen::Vector2d& p_m) { return (p_m - bow_m).norm() < 0.2; });
   }
 
   Explorer explorer_{params(), make_level_camera({kCamera, 0.26}, T_body_cam(), 0.3, 5.0)};
@@ -142,6 +165,14 @@ TEST_F(LedExplorerTest, ItStandsWhileTrafficSaysSoAndGoesOnAfterwards) {
   EXPECT_EQ(step().kind, Kind::kStop);
   explorer_.set_traffic({}, TrafficAdvice::kGo);
   EXPECT_EQ(step().kind, Kind::kDrive);
+}
+
+TEST_F(LedExplorerTest, WhatItPushesAgainstIsInItsWay) {
+  EXPECT_FALSE(drives_on_after_standing(true));
+}
+
+TEST_F(LedExplorerTest, WhereItWasStoppedItMayDriveAgain) {
+  EXPECT_TRUE(drives_on_after_standing(false));
 }
 
 TEST_F(LedExplorerTest, ItStepsAsideForATeammateAndIsDoneWhenTheTeamIs) {

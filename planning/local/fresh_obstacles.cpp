@@ -56,7 +56,7 @@ void FreshObstacles::touch(const Footprint& body, const Pose2& pose, GroundGrid&
     for (int j = least.second; j <= most.second; ++j) {
       const Eigen::Vector2d p_m = grid.centre_m({i, j});
       if ((p_m - pose.position_m()).dot(ahead) <= 0 || body.contains(pose, p_m)) continue;
-      if (body.contains(pose, p_m, kTouchM) && held_.emplace(Cell{i, j}, 0).second) grid.mark({i, j}, true);
+      if (body.contains(pose, p_m, kTouchM)) mark({i, j}, grid);
     }
   }
 }
@@ -92,9 +92,14 @@ bool FreshObstacles::is_apart(const Cell& cell, const GroundGrid& grid) const {
   return true;
 }
 
+bool FreshObstacles::mark(const Cell& cell, GroundGrid& grid) {
+  const bool is_new = held_.emplace(cell, 0).second;
+  if (is_new) grid.mark(cell, true);
+  return is_new;
+}
+
 void FreshObstacles::hold(const Cell& cell, const Eigen::Vector2d& eye_m, GroundGrid& grid) {
-  if (!held_.emplace(cell, 0).second) return;
-  grid.mark(cell, true);
+  if (!mark(cell, grid)) return;
   const double cell_m = grid.frame().cell_m;
   const Eigen::Vector2d centre_m = grid.centre_m(cell), ray = (centre_m - eye_m).normalized();
   // Lines of sight spread: two of them leave no gap to those of the next cell.
@@ -103,7 +108,7 @@ void FreshObstacles::hold(const Cell& cell, const Eigen::Vector2d& eye_m, Ground
     for (double beyond_m = cell_m; beyond_m < params_.behind_m; beyond_m += cell_m) {
       const Cell behind = grid.cell_at(beside_m + beyond_m * ray);
       if (grid.mapped_state(behind) != CellState::kFree) break;
-      if (held_.emplace(behind, 0).second) grid.mark(behind, true);
+      mark(behind, grid);
     }
   }
 }

@@ -3,8 +3,8 @@
 //
 // What appears: obstacles that depth images show where the map knows free ground. The map is an average of many looks
 // and follows within seconds, and only where it is looked at; the robot must not drive there meanwhile. Marked in the
-// ground's grid are the cells in which the obstacle shows, and those behind it, of which the map's word is void until
-// an image sees past them.
+// ground's grid are the cells in which the obstacle shows, those behind it, and those at which a robot pushes against
+// what nothing shows: the map's word of them is void until images see past them.
 #pragma once
 
 #include <map>
@@ -60,6 +60,8 @@ class FreshObstacles {
  private:
   using Cell = GroundGrid::Cell;
   [[nodiscard]] std::set<Cell> find(const stereo::DepthMap& depth, const Pose& T_map_cam, const GroundGrid& grid) const;
+  /// False if it was marked already.
+  bool mark(const Cell& cell, GroundGrid& grid);
   [[nodiscard]] bool is_apart(const Cell& cell, const GroundGrid& grid) const;
   void hold(const Cell& cell, const Eigen::Vector2d& eye_m, GroundGrid& grid);
   void clear(const std::set<Cell>& shown, const stereo::DepthMap& depth, const Pose& T_map_cam, GroundGrid& grid);

@@ -48,7 +48,8 @@ struct Explorer::State {
   ExplorationTargets targets;
   GroundGrid grid;
   FreshObstacles fresh;
-  Footprint footprint;
+  Footprint body_footprint;
+  Footprint footprint;  ///< the same with a margin, for planning
   LowLevelPlanner low_level;
   Trail trail{kTrailM};
   ExplorerStatus status;
@@ -91,6 +92,7 @@ struct Explorer::State {
         targets(p.viewpoints, camera, box_between(p.region_min_m, p.region_max_m)),
         grid(p.grid),
         fresh(p.fresh),
+        body_footprint(p.footprint),
         footprint(p.footprint.grown(p.footprint_margin_m)),
         low_level(p.low_level) {}
 
@@ -294,7 +296,7 @@ struct Explorer::State {
   ExplorerOrder get_unstuck(Time now, const Ground& ground, const Pose2& pose, bool pushes) {
     if (const auto target = low_level.target()) team.events.push_back({TargetEvent::Kind::kUnreachable, target->pose});
     low_level.give_up_target({ground, grid, pose});
-    if (pushes) fresh.touch(Footprint(params.footprint), pose, grid);
+    if (pushes) fresh.touch(body_footprint, pose, grid);
     tour = {};
     pieces.clear();
     status.activity = "giving up a leg that could not be driven";
@@ -329,10 +331,10 @@ struct Explorer::State {
   }
 
   // In a team.
+
   [[nodiscard]] Ground ground_now(const Pose2& pose) const {
     if (team.bodies.empty()) return Ground(grid, footprint, params.costs);
-    return ground_with_bodies(grid, footprint, params.costs, team.bodies, Footprint(params.footprint),
-                              params.body_gap_m, pose);
+    return ground_with_bodies(grid, footprint, params.costs, team.bodies, body_footprint, params.body_gap_m, pose);
   }
 
   void note_visit(const Viewpoint& viewpoint, Time now) {
@@ -424,7 +426,7 @@ Explorer::~Explorer() = default;
 
 void Explorer::begin(const Pose2& start) {
   state_->grid.declare_free(start.position_m(), state_->params.start_clearance_m);
-  if (state_->params.led) state_->grid.declare_body(Footprint(state_->params.footprint), start);
+  if (state_->params.led) state_->grid.declare_body(state_->body_footprint, start);
 }
 
 void Explorer::integrate(const stereo::DepthMap& depth, const Pose& T_map_cam, const Pose2& body) {

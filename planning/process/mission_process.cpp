@@ -227,8 +227,8 @@ struct MissionProcess::State {
 
   /// Of the path that was ordered last.
   [[nodiscard]] planning::DriveState drive_state() const {
-    const bool ours = drive && drive->path_sequence == path_sequence;
-    return {ours && drive->arrived, ours ? drive->remaining_m : left_m, ours && !drive->arrived && !drive->braking};
+    if (!drive || drive->path_sequence != path_sequence) return {.remaining_m = left_m};
+    return {drive->arrived, drive->remaining_m, !drive->arrived && !drive->braking};
   }
 
   void step_task() {

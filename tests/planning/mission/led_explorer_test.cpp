@@ -94,9 +94,9 @@ class LedExplorerTest : public testing::Test {
     const Pose2 stood = start_;
     start_.x_m = order.piece.points_m.back().x();
     (void)explorer_.step(now_, start_, true, false);
-    Viewpoint beside = there();
-    beside.pose.x_m -= 0.5;  // another target: the first was given up
-    explorer_.follow({beside}, now_);
+    Viewpoint nearer = there();
+    nearer.pose.x_m -= 0.5;  // another target: the first was given up
+    explorer_.follow({nearer}, now_);
     order = {};
     for (int i = 0; i < 30 && order.kind != Kind::kDrive; ++i) order = step();
     EXPECT_EQ(order.kind, Kind::kDrive);

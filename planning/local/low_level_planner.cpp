@@ -16,6 +16,12 @@ namespace {
 /// loop to it.
 constexpr double kSamePlaceM = 0.15;
 constexpr double kSameHeadingRad = 0.01;
+/// Faster than this a robot does not turn where it is.
+constexpr double kStandsMps = 0.05;
+
+bool begins_with_turn(const Leg& leg) {
+  return !leg.motions.empty() && leg.motions.front().is_turn();
+}
 
 bool leads_to(const Leg& leg, const Pose2& goal) {
   return (leg.goal.position_m() - goal.position_m()).norm() < kSamePlaceM &&
@@ -158,6 +164,8 @@ bool LowLevelPlanner::try_leg(const LowLevelInput& input, const TourTarget& targ
     output.skipped.push_back({target.id, result.reason});
     return false;
   }
+  // While it drives it would turn farther ahead, where nobody has looked for room: it stops, and looks again.
+  if (begins_with_turn(*result.leg) && std::abs(input.speed_mps) > kStandsMps) return true;
   LegProgress progress(*result.leg);
   output.order = DriveOrder::kFollow;
   output.leg = *result.leg;

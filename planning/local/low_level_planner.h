@@ -66,6 +66,7 @@ struct LowLevelInput {
   const GroundGrid& grid;  ///< that it was made from
   Pose2 pose;
   TrafficAdvice traffic = TrafficAdvice::kGo;
+  double speed_mps = 0;
 };
 
 enum class DriveOrder : std::uint8_t {
@@ -114,6 +115,8 @@ class LowLevelPlanner {
   /// The robot does not get on: its target counts as unreachable until something changes about where it stands, and the
   /// tour is void.
   void give_up_target(const LowLevelInput& input);
+  /// The robot was stopped on its leg: the next one, to the same target, begins where it stands.
+  void break_off() { driving_.reset(); }
   /// What was found unreachable may be tried again: teammates, which no map shows, have moved.
   void forget_unreachable() { unreachable_.clear(); }
   [[nodiscard]] const UnreachableGoals& unreachable() const { return unreachable_; }
@@ -128,7 +131,6 @@ class LowLevelPlanner {
 
   void drive(const LowLevelInput& input, LowLevelOutput& output);
   void begin_next_leg(const LowLevelInput& input, LowLevelOutput& output);
-  void ask(ReplanReason reason, LowLevelOutput& output);
   [[nodiscard]] bool reached(const Pose2& pose) const;
   [[nodiscard]] bool try_leg(const LowLevelInput& input, const TourTarget& target, LowLevelOutput& output);
 

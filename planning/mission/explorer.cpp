@@ -3,15 +3,10 @@
 #include "planning/mission/explorer.h"
 
 #include <algorithm>
-#include <deque>
-#include <unordered_set>
 
 #include "common/config/config.h"
-#include "planning/local/aside.h"
-#include "planning/local/obstacles.h"
-#include "planning/local/sweep.h"
+#include "planning/mission/explorer_state.h"
 #include "planning/mission/ground_free_space.h"
-#include "planning/mission/standstill.h"
 #include "planning/mission/tour_planner.h"
 #include "planning/viewpoints/exploration_targets.h"
 
@@ -20,403 +15,269 @@ namespace {
 
 constexpr double kTrailM = 3.0;
 constexpr double kBackOffM = 0.4;
-/// A recovery that did not help here is not tried a third time.
-constexpr int kRecoveriesPerPlace = 2;
-constexpr int kLastChances = 3;
+constexpr int kStopsPerPlace = 2;
 /// So many more images must leave it at nothing to do before that is the end.
 constexpr int kLastImages = 3;
 /// Standing for so long with something left to do, and no way out found, is the end.
 constexpr Duration kHelplessAfter = std::chrono::seconds(30);
-/// A tour that teammates keep a robot from is tried again so often, so much later each time.
-constexpr int kRetries = 5;
-constexpr Duration kRetryAfter = std::chrono::milliseconds(800);
 
 }  // namespace
 
-struct Explorer::State {
-  /// In a team.
-  struct Team {
-    std::vector<Pose2> bodies;
-    TrafficAdvice advice = TrafficAdvice::kGo;
-    std::vector<TargetEvent> events;
-    Time retried_at{};
-    int retries = 0;  ///< in a row, of a tour that teammates keep it from
-  };
-  Team team;
-  ExplorerParams params;
-  mapping::TsdfMap map;
-  ExplorationTargets targets;
-  GroundGrid grid;
-  FreshObstacles fresh;
-  Footprint body_footprint;
-  Footprint footprint;  ///< the same with a margin, for planning
-  LowLevelPlanner low_level;
-  Trail trail{kTrailM};
-  ExplorerStatus status;
-  VoxelSet ever;
-  std::vector<Eigen::Vector2d> assumed_free_m;
-  TriedPoses recovered_at;
-  bool recovering = false;  ///< on pieces of a recovery, not of a leg
-  bool looked_around = false;
-  int chances = kLastChances;  ///< of all that could not be reached, before the end
-  int images = 0;
-  std::optional<int> last_image;  ///< nothing is left to do, it seems: the decision falls after this one
+Explorer::State::State(const ExplorerParams& p, const LevelCamera& camera)
+    : params(p),
+      map(p.tsdf),
+      targets(p.viewpoints, camera, box_between(p.region_min_m, p.region_max_m)),
+      grid(p.grid),
+      fresh(p.fresh),
+      body_footprint(p.footprint),
+      footprint(p.footprint.grown(p.footprint_margin_m)),
+      low_level(p.low_level),
+      trail(kTrailM) {}
 
-  /// A tour that is thought out but not yet in force.
-  struct Pending {
-    Time begun, from;
-    PlannedTour tour;
-  };
-  std::optional<Pending> pending;
-  Tour tour;                          ///< in force: what is left of it
-  std::vector<Viewpoint> viewpoints;  ///< of the tour in force, by target id
-  Time adopted_at{};
-  std::deque<DrivePiece> pieces;  ///< of the leg, that are still to be ordered
-  /// Standing at a viewpoint until enough images were taken.
-  struct Dwell {
-    Viewpoint viewpoint;
-    int images = 0;
-  };
-  std::optional<Dwell> dwell;
-  struct Visit {
-    Pose2 pose;
-    Time at;
-  };
-  std::optional<Visit> last_visit;  ///< where all looks were taken
-  Standstill standstill;
-  std::optional<Time> helpless_since;  ///< no target was reachable, and it has not moved since
+void Explorer::State::integrate(const stereo::DepthMap& depth, const Pose& T_map_cam, const Pose2& body) {
+  if (!map.integrate(depth, T_map_cam)) return;
+  targets.update(map);
+  if (!params.led) targets.note_looks(map, {&body, 1});
+  grid.update(map);
+  fresh.look(depth, T_map_cam, grid);
+  trail.add(body);
+  ++images;
+  if (dwell) ++dwell->images;
+  const std::vector<VoxelIndex> elements = targets.surface().voxels();
+  low_level.set_incomplete(elements);
+  ever.insert(elements.begin(), elements.end());
+  status.elements = elements.size();
+  status.elements_ever = ever.size();
+}
 
-  State(const ExplorerParams& p, const LevelCamera& camera)
-      : params(p),
-        map(p.tsdf),
-        targets(p.viewpoints, camera, box_between(p.region_min_m, p.region_max_m)),
-        grid(p.grid),
-        fresh(p.fresh),
-        body_footprint(p.footprint),
-        footprint(p.footprint.grown(p.footprint_margin_m)),
-        low_level(p.low_level) {}
-
-  void integrate(const stereo::DepthMap& depth, const Pose& T_map_cam, const Pose2& body) {
-    if (!map.integrate(depth, T_map_cam)) return;
-    targets.update(map);
-    if (!params.led) targets.note_looks(map, {&body, 1});
-    grid.update(map);
-    fresh.look(depth, T_map_cam, grid);
-    trail.add(body);
-    ++images;
-    if (dwell) ++dwell->images;
-    const std::vector<VoxelIndex> elements = targets.surface().voxels();
-    low_level.set_incomplete(elements);
-    ever.insert(elements.begin(), elements.end());
-    status.elements = elements.size();
-    status.elements_ever = ever.size();
-  }
-
-  ExplorerOrder step(Time now, const Pose2& pose, bool arrived, bool blocked, bool pushes) {
-    if (standstill.note(now, pose)) helpless_since.reset();
-    if (status.done || status.boxed_in) return {};
-    if (pending && now >= pending->from) adopt(now);
-    drop_completed();
-    if (dwell && !targets.is_complete(dwell->viewpoint) &&
-        dwell->images < std::min(dwell->viewpoint.looks, params.max_stay_images)) {
-      status.activity = "looking";
-      return {};
-    }
-    if (dwell && dwell->images >= dwell->viewpoint.looks) note_visit(dwell->viewpoint, now);
-    dwell.reset();
-    if (blocked) {
-      status.activity = "waiting: something is in the way";
-      return {};
-    }
-    if (recovering && !arrived && standstill.lasted(now) < from_seconds(params.stuck_s)) return {};
-    if (recovering && arrived && !pieces.empty()) return next_piece();
-    recovering = false;
-    const Ground ground = ground_now(pose);
-    LowLevelOutput output = low_level.step({ground, grid, pose, team.advice});
-    if (output.visited) {
-      begin_dwell(*output.visited);
-      if (dwell) return {};
-      output = low_level.step({ground, grid, pose, team.advice});
-    }
-    if (params.led) note_skipped(output);
-    const bool stale = now - adopted_at > from_seconds(params.replan_s);
-    if (!pending && (output.replan != ReplanReason::kNone || stale)) plan(now, ground, pose, output.replan);
-    if (status.done || status.boxed_in || (last_image && !recovering)) return {ExplorerOrder::Kind::kStop, {}};
-    if (recovering) return next_piece();
-    if (output.order == DriveOrder::kGoOn && low_level.target() &&
-        standstill.lasted(now) > from_seconds(params.stuck_s)) {
-      return get_unstuck(now, ground, pose, pushes);
-    }
-    return order_for(now, output, arrived);
-  }
-
-  /// The tour goes on without the targets that were completed on the way to others.
-  void drop_completed() {
-    Tour rest{{}, tour.elements};
-    for (const TourTarget& target : tour.targets) {
-      if (!targets.is_complete(viewpoints[static_cast<std::size_t>(target.id)])) rest.targets.push_back(target);
-    }
-    if (rest.targets.size() == tour.targets.size()) return;
-    tour = std::move(rest);
-    low_level.set_tour(tour);
-    low_level.set_incomplete(targets.surface().voxels());
-  }
-
-  void adopt(Time now) {
-    // A centre that says again and again that there is nothing to drive to does not keep a robot from looking around.
-    if (!params.led || !pending->tour.tour.targets.empty()) adopted_at = now;
-    viewpoints = std::move(pending->tour.viewpoints);
-    tour = std::move(pending->tour.tour);
-    if (last_visit && last_visit->at >= pending->begun) {
-      // It was thought out while the robot looked from there.
-      std::erase_if(tour.targets, [&](const TourTarget& t) { return same_goal(t.pose, last_visit->pose); });
-    }
-    low_level.set_tour(tour);
-    low_level.set_incomplete(targets.surface().voxels());
-    pending.reset();
-  }
-
-  void plan(Time now, const Ground& ground, const Pose2& pose, ReplanReason reason) {
-    if (params.led) return await_tour(now, ground, pose, reason);
-    if (last_image && images < *last_image) return;
-    Targets found = find_targets(ground, pose);
-    status.clusters = static_cast<int>(found.clusters.size());
-    status.activity = std::string("planning: ") + to_text(reason);
-    ++status.tours;
-    const bool tight = ground.clearance_m(pose.position_m()) < footprint.long_m();
-    const double largest_m2 = static_cast<double>(found.largest()) * params.tsdf.voxel_m * params.tsdf.voxel_m;
-    if (!looked_around && !tight && largest_m2 < params.viewpoints.min_viewpoint_m2) return look_around(now, pose);
-    if (found.clusters.empty() || reason == ReplanReason::kNothingReachable) {
-      if (tight && recover(now, pose, plan_recovery(ground, pose, trail, params.recovery))) return;
-      // Boxed in by ground that it has not seen, a robot assumes once more what it assumed at the start.
-      if (tight && assume_free(pose)) return;
-      if (recover_by_the_way_it_came(now, ground, pose)) return;
-    }
-    if (is_helpless(now, reason)) {
-      status.boxed_in = true;
-      status.activity = "boxed in: there is no way out of where it stands";
-      return;
-    }
-    if (found.clusters.empty()) return end();
-    last_image.reset();
-    const std::optional<Viewpoint> committed = committed_viewpoint();
-    PlannedTour planned = plan_tour(ground, found.clusters, committed ? committed->pose : pose, params.tour,
-                                    {params.nominal_speed_mps, params.nominal_turn_rate_radps, params.visit_s});
-    if (committed) put_first(*committed, planned);
-    status.left_s = planned.completion_s;
-    pending = Pending{now, now + from_seconds(params.plan_latency_s), std::move(planned)};
-  }
-
-  /// Found twice, with a few images in between, to have nothing left to do.
-  void end() {
-    status.done = last_image.has_value();
-    status.left_s = 0;
-    status.activity = "nothing is left that could be completed";
-    last_image = images + kLastImages;
-    low_level.set_tour(tour = {});
-    pieces.clear();
-  }
-
-  /// Places where the robot can turn come first; then any; then also those to which no leg was found once.
-  [[nodiscard]] Targets find_targets(const Ground& ground, const Pose2& pose) {
-    Targets found;
-    for (int attempt = 0; attempt < 3 && found.clusters.empty(); ++attempt) {
-      if (attempt == 2 && (low_level.unreachable().all().empty() || --chances < 0)) break;
-      if (attempt == 2) low_level.forget_unreachable();
-      found = targets.plan(map, GroundFreeSpace(ground, grid, low_level.unreachable(), pose, attempt == 0), pose);
-    }
-    return found;
-  }
-
-  /// False if that was tried here already.
-  bool assume_free(const Pose2& pose) {
-    for (const Eigen::Vector2d& before : assumed_free_m) {
-      if ((before - pose.position_m()).norm() < 0.5 * footprint.long_m()) return false;
-    }
-    assumed_free_m.push_back(pose.position_m());
-    grid.declare_free(pose.position_m(), footprint.long_m() + params.grid.cell_m);
-    ++status.assumed_free;
-    return true;
-  }
-
-  /// What the robot is on its way to, if it is still worth the way: a better idea every other second would have it pace
-  /// to and fro.
-  [[nodiscard]] std::optional<Viewpoint> committed_viewpoint() const {
-    const auto target = low_level.target();
-    if (!target) return std::nullopt;
-    const Viewpoint& viewpoint = viewpoints[static_cast<std::size_t>(target->id)];
-    if (targets.is_complete(viewpoint)) return std::nullopt;
-    return viewpoint;
-  }
-
-  /// Where nothing much can be seen to be completed, turning once about shows where to go: as long as the camera sees
-  /// only a narrow lane, viewpoints are many and tiny.
-  void look_around(Time now, const Pose2& pose) {
-    looked_around = true;
-    status.activity = "looking around";
-    const std::vector<DrivePiece> turns = turn_about(pose);
-    pieces.assign(turns.begin(), turns.end());
-    recovering = true;
-    standstill.begin(now);
-  }
-
-  void begin_dwell(std::int64_t target) {
-    pieces.clear();
-    std::erase_if(tour.targets, [&](const TourTarget& t) { return t.id == target; });
-    const Viewpoint& viewpoint = viewpoints[static_cast<std::size_t>(target)];
-    if (!targets.is_complete(viewpoint)) dwell = Dwell{viewpoint, 0};
-  }
-
-  ExplorerOrder order_for(Time now, const LowLevelOutput& output, bool arrived) {
-    if (output.order == DriveOrder::kFollow) {
-      team.retries = 0;
-      const std::vector<DrivePiece> leg = pieces_of(*output.leg);
-      pieces.assign(leg.begin(), leg.end());
-      standstill.begin(now);
-      return next_piece();
-    }
-    if (output.order == DriveOrder::kStop) {
-      pieces.clear();
-      return {ExplorerOrder::Kind::kStop, {}};
-    }
-    if (arrived && !pieces.empty()) return next_piece();
-    if (low_level.target()) status.activity = "driving to a viewpoint";
+ExplorerOrder Explorer::State::step(Time now, const Pose2& pose, const DriveState& drive) {
+  if (standstill.note(now, pose)) helpless_since.reset();
+  if (status.done || status.boxed_in) return {};
+  if (pending && now >= pending->from) adopt(now);
+  drop_completed();
+  if (dwell && !targets.is_complete(dwell->viewpoint) &&
+      dwell->images < std::min(dwell->viewpoint.looks, params.max_stay_images)) {
+    status.activity = "looking";
     return {};
   }
-
-  ExplorerOrder next_piece() {
-    if (pieces.empty()) return {};
-    ExplorerOrder order{ExplorerOrder::Kind::kDrive, std::move(pieces.front())};
-    pieces.pop_front();
-    return order;
+  if (dwell && dwell->images >= dwell->viewpoint.looks) note_visit(dwell->viewpoint, now);
+  dwell.reset();
+  if (drive.blocked) return wait(pose);
+  was_blocked = false;
+  if (recovering && !drive.arrived && standstill.lasted(now) < from_seconds(params.stuck_s)) return {};
+  if (recovering && drive.arrived && !pieces.empty()) return next_piece();
+  recovering = false;
+  const Ground ground = ground_now(pose);
+  const LowLevelInput input{ground, grid, pose, team.advice, drive.speed_mps};
+  LowLevelOutput output = low_level.step(input);
+  if (output.visited) {
+    begin_dwell(*output.visited);
+    if (dwell) return {};
+    output = low_level.step(input);
   }
+  if (params.led) note_skipped(output);
+  const bool stale = now - adopted_at > from_seconds(params.replan_s);
+  if (!pending && (output.replan != ReplanReason::kNone || stale)) plan(now, ground, pose, output.replan);
+  if (status.done || status.boxed_in || (last_image && !recovering)) return {ExplorerOrder::Kind::kStop, {}};
+  if (recovering) return next_piece();
+  if (output.order == DriveOrder::kGoOn && low_level.target() &&
+      standstill.lasted(now) > from_seconds(params.stuck_s)) {
+    return get_unstuck(now, ground, pose, drive.pushes);
+  }
+  return order_for(now, output, drive.arrived);
+}
 
-  /// The robot stands though it has a leg to drive: it was stopped, or pushes against what nothing shows. It backs off,
-  /// and goes on with a tour made anew.
-  ExplorerOrder get_unstuck(Time now, const Ground& ground, const Pose2& pose, bool pushes) {
-    if (const auto target = low_level.target()) team.events.push_back({TargetEvent::Kind::kUnreachable, target->pose});
-    low_level.give_up_target({ground, grid, pose});
-    if (pushes) fresh.touch(body_footprint, pose, grid);
-    tour = {};
+/// Somebody stopped it: what it was on is void, and its next leg begins where it stands. Where that happened before, it
+/// stays on what cannot be driven, until it counts as stuck.
+ExplorerOrder Explorer::State::wait(const Pose2& pose) {
+  status.activity = "waiting: something is in the way";
+  if (!std::exchange(was_blocked, true) && stopped_at.try_at(pose, kStopsPerPlace)) {
+    low_level.break_off();
     pieces.clear();
-    status.activity = "giving up a leg that could not be driven";
-    if (recover(now, pose, back_off(ground, pose, trail, kBackOffM, params.recovery))) return next_piece();
+    recovering = false;
+  }
+  return {};
+}
+
+/// The tour goes on without the targets that were completed on the way to others.
+void Explorer::State::drop_completed() {
+  Tour rest{{}, tour.elements};
+  for (const TourTarget& target : tour.targets) {
+    if (!targets.is_complete(viewpoints[static_cast<std::size_t>(target.id)])) rest.targets.push_back(target);
+  }
+  if (rest.targets.size() == tour.targets.size()) return;
+  tour = std::move(rest);
+  low_level.set_tour(tour);
+  low_level.set_incomplete(targets.surface().voxels());
+}
+
+void Explorer::State::adopt(Time now) {
+  // A centre that says again and again that there is nothing to drive to does not keep a robot from looking around.
+  if (!params.led || !pending->tour.tour.targets.empty()) adopted_at = now;
+  viewpoints = std::move(pending->tour.viewpoints);
+  tour = std::move(pending->tour.tour);
+  if (last_visit && last_visit->at >= pending->begun) {
+    // It was thought out while the robot looked from there.
+    std::erase_if(tour.targets, [&](const TourTarget& t) { return same_goal(t.pose, last_visit->pose); });
+  }
+  low_level.set_tour(tour);
+  low_level.set_incomplete(targets.surface().voxels());
+  pending.reset();
+}
+
+void Explorer::State::plan(Time now, const Ground& ground, const Pose2& pose, ReplanReason reason) {
+  if (params.led) return await_tour(now, ground, pose, reason);
+  if (last_image && images < *last_image) return;
+  Targets found = find_targets(ground, pose);
+  status.clusters = static_cast<int>(found.clusters.size());
+  status.activity = std::string("planning: ") + to_text(reason);
+  ++status.tours;
+  const bool tight = ground.clearance_m(pose.position_m()) < footprint.long_m();
+  const double largest_m2 = static_cast<double>(found.largest()) * params.tsdf.voxel_m * params.tsdf.voxel_m;
+  if (!looked_around && !tight && largest_m2 < params.viewpoints.min_viewpoint_m2) return look_around(now, pose);
+  if (found.clusters.empty() || reason == ReplanReason::kNothingReachable) {
+    if (tight && recover(now, pose, plan_recovery(ground, pose, trail, params.recovery))) return;
+    // Boxed in by ground that it has not seen, a robot assumes once more what it assumed at the start.
+    if (tight && assume_free(pose)) return;
+    if (recover_by_the_way_it_came(now, ground, pose)) return;
+  }
+  if (is_helpless(now, reason)) {
+    status.boxed_in = true;
+    status.activity = "boxed in: there is no way out of where it stands";
+    return;
+  }
+  if (found.clusters.empty()) return end();
+  last_image.reset();
+  const std::optional<Viewpoint> committed = committed_viewpoint();
+  PlannedTour planned = plan_tour(ground, found.clusters, committed ? committed->pose : pose, params.tour,
+                                  {params.nominal_speed_mps, params.nominal_turn_rate_radps, params.visit_s});
+  if (committed) put_first(*committed, planned);
+  status.left_s = planned.completion_s;
+  pending = Pending{now, now + from_seconds(params.plan_latency_s), std::move(planned)};
+}
+
+/// Found twice, with a few images in between, to have nothing left to do.
+void Explorer::State::end() {
+  status.done = last_image.has_value();
+  status.left_s = 0;
+  status.activity = "nothing is left that could be completed";
+  last_image = images + kLastImages;
+  low_level.set_tour(tour = {});
+  pieces.clear();
+}
+
+/// Places where the robot can turn come first; then any; then also those to which no leg was found once.
+Targets Explorer::State::find_targets(const Ground& ground, const Pose2& pose) {
+  Targets found;
+  for (int attempt = 0; attempt < 3 && found.clusters.empty(); ++attempt) {
+    if (attempt == 2 && (low_level.unreachable().all().empty() || --chances < 0)) break;
+    if (attempt == 2) low_level.forget_unreachable();
+    found = targets.plan(map, GroundFreeSpace(ground, grid, low_level.unreachable(), pose, attempt == 0), pose);
+  }
+  return found;
+}
+
+/// False if that was tried here already.
+bool Explorer::State::assume_free(const Pose2& pose) {
+  for (const Eigen::Vector2d& before : assumed_free_m) {
+    if ((before - pose.position_m()).norm() < 0.5 * footprint.long_m()) return false;
+  }
+  assumed_free_m.push_back(pose.position_m());
+  grid.declare_free(pose.position_m(), footprint.long_m() + params.grid.cell_m);
+  ++status.assumed_free;
+  return true;
+}
+
+/// What the robot is on its way to, if it is still worth the way: a better idea every other second would have it pace
+/// to and fro.
+std::optional<Viewpoint> Explorer::State::committed_viewpoint() const {
+  const auto target = low_level.target();
+  if (!target) return std::nullopt;
+  const Viewpoint& viewpoint = viewpoints[static_cast<std::size_t>(target->id)];
+  if (targets.is_complete(viewpoint)) return std::nullopt;
+  return viewpoint;
+}
+
+/// Where nothing much can be seen to be completed, turning once about shows where to go: as long as the camera sees
+/// only a narrow lane, viewpoints are many and tiny.
+void Explorer::State::look_around(Time now, const Pose2& pose) {
+  looked_around = true;
+  status.activity = "looking around";
+  const std::vector<DrivePiece> turns = turn_about(pose);
+  pieces.assign(turns.begin(), turns.end());
+  recovering = true;
+  standstill.begin(now);
+}
+
+void Explorer::State::begin_dwell(std::int64_t target) {
+  pieces.clear();
+  std::erase_if(tour.targets, [&](const TourTarget& t) { return t.id == target; });
+  const Viewpoint& viewpoint = viewpoints[static_cast<std::size_t>(target)];
+  if (!targets.is_complete(viewpoint)) dwell = Dwell{viewpoint, 0};
+}
+
+ExplorerOrder Explorer::State::order_for(Time now, const LowLevelOutput& output, bool arrived) {
+  if (output.order == DriveOrder::kFollow) {
+    team.retries = 0;
+    const std::vector<DrivePiece> leg = pieces_of(*output.leg);
+    pieces.assign(leg.begin(), leg.end());
+    standstill.begin(now);
+    return next_piece();
+  }
+  if (output.order == DriveOrder::kStop) {
+    pieces.clear();
     return {ExplorerOrder::Kind::kStop, {}};
   }
+  if (arrived && !pieces.empty()) return next_piece();
+  if (low_level.target()) status.activity = "driving to a viewpoint";
+  return {};
+}
 
-  /// Puts the recovery, if there is one and it has not failed here before, in the place of the leg.
-  bool recover(Time now, const Pose2& pose, const std::optional<Recovery>& recovery, int most = kRecoveriesPerPlace) {
-    if (!recovery || !recovered_at.try_at(pose, most)) return false;
-    ++status.recoveries;
-    status.activity = "getting out of where it is boxed in";
-    pieces = {piece_of(*recovery, pose)};
-    recovering = true;
-    standstill.begin(now);
-    return true;
-  }
+ExplorerOrder Explorer::State::next_piece() {
+  if (pieces.empty()) return {};
+  ExplorerOrder order{ExplorerOrder::Kind::kDrive, std::move(pieces.front())};
+  pieces.pop_front();
+  return order;
+}
 
-  bool is_helpless(Time now, ReplanReason reason) {
-    if (reason != ReplanReason::kNothingReachable) return false;
-    helpless_since = helpless_since.value_or(now);
-    return now - *helpless_since > kHelplessAfter;
-  }
+/// The robot stands though it has a leg to drive: it was stopped, or pushes against what nothing shows. It backs off,
+/// and goes on with a tour made anew.
+ExplorerOrder Explorer::State::get_unstuck(Time now, const Ground& ground, const Pose2& pose, bool pushes) {
+  if (const auto target = low_level.target()) team.events.push_back({TargetEvent::Kind::kUnreachable, target->pose});
+  low_level.give_up_target({ground, grid, pose});
+  if (pushes) fresh.touch(body_footprint, pose, grid);
+  tour = {};
+  pieces.clear();
+  status.activity = "giving up a leg that could not be driven";
+  if (recover(now, pose, back_off(ground, pose, trail, kBackOffM, params.recovery))) return next_piece();
+  return {ExplorerOrder::Kind::kStop, {}};
+}
 
-  /// The last resort, once per place: back to where it was a moment ago, though the map has something there now. The
-  /// guard that stops it for what it sees is still awake.
-  bool recover_by_the_way_it_came(Time now, const Ground& ground, const Pose2& pose) {
-    if (standstill.lasted(now) < from_seconds(params.stuck_s)) return false;
-    RecoveryParams bold = params.recovery;
-    bold.max_deeper_m += params.footprint_margin_m + params.grid.cell_m;
-    return recover(now, pose, back_off(ground, pose, trail, kBackOffM, bold), kRecoveriesPerPlace + 1);
-  }
+/// Puts the recovery, if there is one and it has not failed here before, in the place of the leg.
+bool Explorer::State::recover(Time now, const Pose2& pose, const std::optional<Recovery>& recovery, int most) {
+  if (!recovery || !recovered_at.try_at(pose, most)) return false;
+  ++status.recoveries;
+  status.activity = "getting out of where it is boxed in";
+  pieces = {piece_of(*recovery, pose)};
+  recovering = true;
+  standstill.begin(now);
+  return true;
+}
 
-  // In a team.
+bool Explorer::State::is_helpless(Time now, ReplanReason reason) {
+  if (reason != ReplanReason::kNothingReachable) return false;
+  helpless_since = helpless_since.value_or(now);
+  return now - *helpless_since > kHelplessAfter;
+}
 
-  [[nodiscard]] Ground ground_now(const Pose2& pose) const {
-    if (team.bodies.empty()) return Ground(grid, footprint, params.costs);
-    return ground_with_bodies(grid, footprint, params.costs, team.bodies, body_footprint, params.body_gap_m, pose);
-  }
-
-  void note_visit(const Viewpoint& viewpoint, Time now) {
-    targets.note_visit(map, viewpoint);
-    last_visit = Visit{viewpoint.pose, now};
-    if (!params.led) return;
-    team.events.push_back({TargetEvent::Kind::kVisited, viewpoint.pose});
-  }
-
-  /// What no way leads to is left out of the tour and reported, unless teammates may be what is in the way.
-  void note_skipped(const LowLevelOutput& output) {
-    if (output.skipped.empty() || (!team.bodies.empty() && team.retries < kRetries)) return;
-    for (const SkippedTarget& skipped : output.skipped) {
-      team.events.push_back({TargetEvent::Kind::kUnreachable, viewpoints[static_cast<std::size_t>(skipped.id)].pose});
-      std::erase_if(tour.targets, [&](const TourTarget& t) { return t.id == skipped.id; });
-    }
-    team.retries = 0;
-  }
-
-  /// Teammates do not count: robots that start side by side would look nowhere. Who turns first is traffic's matter.
-  [[nodiscard]] bool has_room_to_turn(const Pose2& pose) const {
-    return Ground(grid, footprint, params.costs).clearance_m(pose.position_m()) >= footprint.long_m();
-  }
-
-  /// The centre plans. Meanwhile the robot gets out of where it is boxed in, turns about once if it was not sent
-  /// anywhere, and tries again what teammates kept it from.
-  void await_tour(Time now, const Ground& ground, const Pose2& pose, ReplanReason reason) {
-    if (reason == ReplanReason::kNone) return;
-    status.activity = "waiting for a tour";
-    const bool boxed_in = ground.clearance_m(pose.position_m()) < footprint.long_m();
-    if (tour.targets.empty()) {
-      team.retries = 0;
-      if (!looked_around && has_room_to_turn(pose) && status.elements > 0 && now - adopted_at > from_seconds(1.0)) {
-        look_around(now, pose);
-      }
-      return;
-    }
-    if (now - team.retried_at < kRetryAfter) return;
-    team.retried_at = now;
-    ++team.retries;
-    if (boxed_in && team.retries > 2 &&
-        (recover(now, pose, plan_recovery(ground, pose, trail, params.recovery)) || assume_free(pose))) {
-      return;
-    }
-    low_level.forget_unreachable();
-    low_level.set_tour(tour);
-  }
-
-  void follow(std::vector<Viewpoint> given, Time now) {
-    PlannedTour planned;
-    planned.viewpoints = std::move(given);
-    const std::optional<Viewpoint> committed = committed_viewpoint();
-    for (std::size_t i = 0; i < planned.viewpoints.size(); ++i) {
-      const Pose2& at = planned.viewpoints[i].pose;
-      const bool now_there = (committed && same_goal(at, committed->pose)) ||
-                             (dwell && same_goal(at, dwell->viewpoint.pose)) ||
-                             (last_visit && same_goal(at, last_visit->pose));
-      if (!now_there) planned.tour.targets.push_back({static_cast<std::int64_t>(i), at});
-    }
-    if (committed) put_first(*committed, planned);
-    status.clusters = static_cast<int>(planned.tour.targets.size());
-    ++status.tours;
-    pending = Pending{now, now, std::move(planned)};
-  }
-
-  bool step_aside(Time now, const Pose2& pose, const Pose2& teammate, const Pose2& its_target, double clear_m) {
-    const Ground without_bodies(grid, footprint, params.costs);
-    const Sweep sweep(without_bodies, teammate.position_m());
-    std::vector<Eigen::Vector2d> way_m = sweep.way_to(its_target.position_m());
-    way_m.push_back(teammate.position_m());
-    const auto aside = find_way_aside(ground_now(pose), LegPlanner(params.low_level.leg), pose, way_m, clear_m);
-    if (!aside) return false;
-    const std::vector<DrivePiece> leg = pieces_of(*aside);
-    pieces.assign(leg.begin(), leg.end());
-    recovering = true;
-    standstill.begin(now);
-    low_level.set_tour({});
-    dwell.reset();
-    status.activity = "stepping aside for a teammate";
-    return true;
-  }
-};
+/// The last resort, once per place: back to where it was a moment ago, though the map has something there now. The
+/// guard that stops it for what it sees is still awake.
+bool Explorer::State::recover_by_the_way_it_came(Time now, const Ground& ground, const Pose2& pose) {
+  if (standstill.lasted(now) < from_seconds(params.stuck_s)) return false;
+  RecoveryParams bold = params.recovery;
+  bold.max_deeper_m += params.footprint_margin_m + params.grid.cell_m;
+  return recover(now, pose, back_off(ground, pose, trail, kBackOffM, bold), kRecoveriesPerPlace + 1);
+}
 
 Explorer::Explorer(const ExplorerParams& params, const LevelCamera& camera) {
   config::check(params, "explorer");
@@ -433,8 +294,8 @@ void Explorer::integrate(const stereo::DepthMap& depth, const Pose& T_map_cam, c
   state_->integrate(depth, T_map_cam, body);
 }
 
-ExplorerOrder Explorer::step(Time now, const Pose2& pose, bool arrived, bool blocked, bool pushes) {
-  return state_->step(now, pose, arrived, blocked, pushes);
+ExplorerOrder Explorer::step(Time now, const Pose2& pose, const DriveState& drive) {
+  return state_->step(now, pose, drive);
 }
 
 void Explorer::restart() {
@@ -442,47 +303,6 @@ void Explorer::restart() {
   state_->low_level.set_tour({});
   state_->pieces.clear();
   state_->dwell.reset();
-}
-
-void Explorer::follow(std::vector<Viewpoint> viewpoints, Time now) {
-  state_->follow(std::move(viewpoints), now);
-}
-void Explorer::finish() {
-  state_->status.done = true;
-  state_->status.left_s = 0;
-}
-Result<std::size_t> Explorer::fuse(const mapping::MapPatch& patch) {
-  return mapping::fuse(state_->map, patch);
-}
-void Explorer::declare_start(const Pose2& teammate) {
-  state_->grid.declare_free(teammate.position_m(), state_->params.start_clearance_m);
-}
-void Explorer::set_traffic(std::vector<Pose2> bodies, TrafficAdvice advice) {
-  state_->team.bodies = std::move(bodies);
-  state_->team.advice = advice;
-}
-bool Explorer::step_aside(Time now, const Pose2& pose, const Pose2& teammate, const Pose2& its_target, double clear_m) {
-  return state_->step_aside(now, pose, teammate, its_target, clear_m);
-}
-void Explorer::give_up_tour() {
-  if (const auto lost = target()) state_->team.events.push_back({TargetEvent::Kind::kUnreachable, *lost});
-  restart();
-}
-std::optional<Pose2> Explorer::target() const {
-  if (state_->dwell) return state_->dwell->viewpoint.pose;
-  if (const auto target = state_->low_level.target()) return target->pose;
-  if (!state_->tour.targets.empty()) return state_->tour.targets.front().pose;
-  return std::nullopt;
-}
-bool Explorer::idle() const {
-  return state_->tour.targets.empty() && !state_->dwell && !state_->pending && !state_->recovering;
-}
-bool Explorer::kept_by_bodies() const {
-  return state_->team.retries > 0 && !state_->team.bodies.empty() && !state_->tour.targets.empty() &&
-         !state_->low_level.target();
-}
-std::vector<TargetEvent> Explorer::take_events() {
-  return std::exchange(state_->team.events, {});
 }
 
 const ExplorerStatus& Explorer::status() const {

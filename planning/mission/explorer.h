@@ -85,6 +85,15 @@ struct ExplorerParams {
   }
 };
 
+/// How the robot fares on what was ordered last.
+struct DriveState {
+  bool arrived = false;  ///< the tracker stands at its end
+  double remaining_m = 0;
+  bool pushes = false;   ///< the tracker drives on along it, and nobody stops it: if it stands, it touches something
+  bool blocked = false;  ///< somebody stopped the robot for something in its way
+  double speed_mps = 0;  ///< along the heading
+};
+
 /// What the path tracker shall do now.
 struct ExplorerOrder {
   enum class Kind : std::uint8_t { kGoOn, kDrive, kStop };
@@ -122,10 +131,8 @@ class Explorer {
   void begin(const Pose2& start);
   /// A depth image and where its camera and the body were.
   void integrate(const stereo::DepthMap& depth, const Pose& T_map_cam, const Pose2& body);
-  /// One step, after each depth image and whenever the tracker has arrived. `arrived`: the tracker stands at the end of
-  /// the last piece that was ordered. `blocked`: somebody stopped the robot for something in its way. `pushes`: the
-  /// tracker drives on along the piece, and nobody stops it; if it stands nevertheless, it touches something.
-  [[nodiscard]] ExplorerOrder step(Time now, const Pose2& pose, bool arrived, bool blocked, bool pushes = false);
+  /// One step, after each depth image and whenever the tracker has arrived.
+  [[nodiscard]] ExplorerOrder step(Time now, const Pose2& pose, const DriveState& drive);
 
   /// The order in force is void (the mission was paused): plans anew from where the robot stands.
   void restart();

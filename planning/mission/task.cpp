@@ -18,8 +18,7 @@ class LoopTask : public Task {
 
   void begin(const Pose2& start) override { ordered_ = make_loop(start, params_); }
 
-  std::optional<PathRequest> step(Time /*now*/, const Pose2& /*pose*/, const DriveState& drive,
-                                  bool /*blocked*/) override {
+  std::optional<PathRequest> step(Time /*now*/, const Pose2& /*pose*/, const DriveState& drive) override {
     if (driving_) {
       done_ = done_ || drive.arrived;
       return std::nullopt;
@@ -63,10 +62,10 @@ void ExploreTask::see(const stereo::DepthMap& depth, const Pose& T_map_cam, cons
   seen_ = true;
 }
 
-std::optional<PathRequest> ExploreTask::step(Time now, const Pose2& pose, const DriveState& drive, bool blocked) {
+std::optional<PathRequest> ExploreTask::step(Time now, const Pose2& pose, const DriveState& drive) {
   // Without news there is nothing to decide.
   if (!begun_ || (!std::exchange(seen_, false) && !drive.arrived)) return std::nullopt;
-  const ExplorerOrder order = explorer_.step(now, pose, drive.arrived, blocked, drive.pushes);
+  const ExplorerOrder order = explorer_.step(now, pose, drive);
   switch (order.kind) {
     case ExplorerOrder::Kind::kDrive:
       return PathRequest{order.piece.points_m, order.piece.end_heading_rad, order.piece.backwards};

@@ -24,13 +24,6 @@ struct PathRequest {
   bool backwards = false;
 };
 
-/// How far the tracker is on the path that was ordered last.
-struct DriveState {
-  bool arrived = false;
-  double remaining_m = 0;
-  bool pushes = false;  ///< it drives on along it, and nothing brakes it
-};
-
 struct TaskProgress {
   double share = 0;    ///< 0 to 1, as far as it can be known
   double left_s = -1;  ///< negative: unknown
@@ -50,9 +43,8 @@ class Task {
   virtual void begin(const Pose2& start) = 0;
   /// A depth image with the poses of camera and body at its time, map frame; comes before begin() as well.
   virtual void see(const stereo::DepthMap& /*depth*/, const Pose& /*T_map_cam*/, const Pose2& /*body*/) {}
-  /// Called after each depth image and ten times a second. `blocked`: the robot was stopped for something in its way.
-  [[nodiscard]] virtual std::optional<PathRequest> step(Time now, const Pose2& pose, const DriveState& drive,
-                                                        bool blocked) = 0;
+  /// Called after each depth image and ten times a second.
+  [[nodiscard]] virtual std::optional<PathRequest> step(Time now, const Pose2& pose, const DriveState& drive) = 0;
   /// After a pause: the robot stands, its last order is void.
   virtual void resume(const Pose2& pose, const DriveState& drive) = 0;
   [[nodiscard]] virtual TaskProgress progress(const DriveState& drive) const = 0;
@@ -67,8 +59,7 @@ class ExploreTask : public Task {
 
   void begin(const Pose2& start) override;
   void see(const stereo::DepthMap& depth, const Pose& T_map_cam, const Pose2& body) override;
-  [[nodiscard]] std::optional<PathRequest> step(Time now, const Pose2& pose, const DriveState& drive,
-                                                bool blocked) override;
+  [[nodiscard]] std::optional<PathRequest> step(Time now, const Pose2& pose, const DriveState& drive) override;
   void resume(const Pose2& pose, const DriveState& drive) override;
   [[nodiscard]] TaskProgress progress(const DriveState& drive) const override;
   [[nodiscard]] const Explorer& explorer() const { return explorer_; }

@@ -169,14 +169,15 @@ struct MissionProcess::State {
 
   void guard(const stereo::DepthMap& depth, const fusion::FusedPose& at) {
     const planning::StopDecision decision = eyes->guard.look(depth, eyes->T_body_cam, at.twist);
-    if (decision.stop && !blocked && life.state() == MissionState::kRunning) {
+    // Once the robot stands, or backs off, the planner finds the way out: what is ahead is in its map by then.
+    const bool ends = at.twist.speed_mps < 0.02 && std::abs(at.twist.turn_rate_radps) < 0.05;
+    const bool in_the_way = decision.stop && !ends;
+    if (in_the_way && !blocked && life.state() == MissionState::kRunning) {
       bus.health().count("GUARD", "stops");
       bus.health().warn("stopped: something is in the way");
       stop();
     }
-    // Once the robot stands, the planner finds the way out: what is ahead is in its map by then.
-    const bool stands = at.twist.speed_mps < 0.02 && std::abs(at.twist.turn_rate_radps) < 0.05;
-    blocked = decision.stop && !stands;
+    blocked = in_the_way;
   }
 
   void step() {
@@ -227,13 +228,18 @@ struct MissionProcess::State {
 
   /// Of the path that was ordered last.
   [[nodiscard]] planning::DriveState drive_state() const {
-    if (!drive || drive->path_sequence != path_sequence) return {.remaining_m = left_m};
-    return {drive->arrived, drive->remaining_m, !drive->arrived && !drive->braking};
+    planning::DriveState state{.remaining_m = left_m, .blocked = blocked};
+    if (pose) state.speed_mps = pose->twist.speed_mps;
+    if (!drive || drive->path_sequence != path_sequence) return state;
+    state.arrived = drive->arrived;
+    state.remaining_m = drive->remaining_m;
+    state.pushes = !drive->arrived && !drive->braking;
+    return state;
   }
 
   void step_task() {
     if (life.state() != MissionState::kRunning || !pose) return;
-    const auto request = task->step(clock.now(), to_pose2(pose->T_frame_body), drive_state(), blocked);
+    const auto request = task->step(clock.now(), to_pose2(pose->T_frame_body), drive_state());
     if (request) order(*request);
     const planning::TaskProgress progress = task->progress(drive_state());
     if (!progress.failure.empty()) {

@@ -176,6 +176,8 @@ bool TeamMember::may_drive(const Pose2& body, const planning::PathRequest& way) 
 /// do. A robot whose ways are refused again and again makes room as well.
 void TeamMember::make_room(const Pose2& body) {
   if (aside_at_ && clock_.now() - *aside_at_ < kAsideAgain) return;
+  // The way aside begins where it stands.
+  if (std::abs(twist_.speed_mps) > kStandsMps) return;
   for (const auto& [name, mate] : teammates_) {
     const bool asks = mate.state.blocked_by == params_.robot && (name < params_.robot || explorer_.idle());
     const bool jammed = refused_ >= kRefusedTooOften && name == nearest_to(body);

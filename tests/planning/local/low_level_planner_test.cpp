@@ -34,8 +34,8 @@ class Robot {
     grid_.update(map_);
     ground_.emplace(grid_, Footprint({}));
   }
-  LowLevelOutput step(TrafficAdvice traffic = TrafficAdvice::kGo) {
-    LowLevelOutput output = planner.step({*ground_, grid_, pose, traffic});
+  LowLevelOutput step(TrafficAdvice traffic = TrafficAdvice::kGo, double speed_mps = 0) {
+    LowLevelOutput output = planner.step({*ground_, grid_, pose, traffic, speed_mps});
     if (output.order == DriveOrder::kFollow) {
       leg = output.leg;
       driven_m_ = 0;
@@ -226,6 +226,39 @@ TEST(LowLevelPlanner, ALegGoesOnUnderANewTourWithTheSameFirstTarget) {
   const auto none = robot.step();
   EXPECT_EQ(none.order, DriveOrder::kStop);
   EXPECT_EQ(none.replan, ReplanReason::kNoTour);
+}
+
+TEST(LowLevelPlanner, ARobotThatDrivesStopsBeforeALegThatBeginsWithATurn) {
+  constexpr double kMps = 0.5;
+  Robot robot({});
+  robot.planner.set_tour({{{7, {6.5, 3.5, 0}}}, {}});
+  (void)robot.step();
+  robot.move(1);
+  robot.planner.set_tour({{{8, {6, 4, 0}}}, {}});
+  EXPECT_EQ(robot.step(TrafficAdvice::kGo, kMps).order, DriveOrder::kFollow) << "an arc from where it drives";
+  robot.planner.set_tour({{{9, {1, 3.5, 3}}}, {}});
+  EXPECT_EQ(robot.step(TrafficAdvice::kGo, kMps).order, DriveOrder::kStop);
+  EXPECT_FALSE(robot.planner.target());
+  robot.pose.x_m += 0.2;
+  EXPECT_EQ(robot.step(TrafficAdvice::kGo, 0.5 * kMps).order, DriveOrder::kGoOn) << "said once";
+  robot.pose.x_m += 0.05;
+  const auto back = robot.step();
+  ASSERT_EQ(back.order, DriveOrder::kFollow);
+  EXPECT_TRUE(back.leg->motions.front().is_turn());
+  EXPECT_EQ(back.leg->start, robot.pose) << "where it stands, not where it was told to stop";
+  EXPECT_EQ(back.replan, ReplanReason::kNone);
+}
+
+TEST(LowLevelPlanner, ALegThatWasBrokenOffBeginsAnewWhereTheRobotStands) {
+  Robot robot({});
+  robot.planner.set_tour({{{7, {6.5, 3.5, 0}}}, {}});
+  (void)robot.step();
+  robot.move(1);
+  robot.planner.break_off();
+  const auto on = robot.step();
+  ASSERT_EQ(on.order, DriveOrder::kFollow);
+  EXPECT_EQ(on.leg->start, robot.pose);
+  EXPECT_EQ(robot.planner.target()->id, 7);
 }
 
 TEST(LowLevelPlanner, ARobotThatLostItsLegGetsANewOne) {

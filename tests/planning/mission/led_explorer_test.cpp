@@ -80,7 +80,7 @@ class LedExplorerTest : public testing::Test {
   }
   ExplorerOrder step(bool pushes = false) {
     now_ += std::chrono::milliseconds(200);
-    return explorer_.step(now_, start_, false, false, pushes);
+    return explorer_.step(now_, start_, {.pushes = pushes});
   }
   /// It stands for some seconds on its way straight ahead, backs off, and is sent there again: whether its way leads
   /// over where its bow was.
@@ -93,7 +93,7 @@ class LedExplorerTest : public testing::Test {
     EXPECT_TRUE(order.piece.backwards);
     const Pose2 stood = start_;
     start_.x_m = order.piece.points_m.back().x();
-    (void)explorer_.step(now_, start_, true, false);
+    (void)explorer_.step(now_, start_, {.arrived = true});
     Viewpoint nearer = there();
     nearer.pose.x_m -= 0.5;  // another target: the first was given up
     explorer_.follow({nearer}, now_);
@@ -113,11 +113,11 @@ class LedExplorerTest : public testing::Test {
 TEST_F(LedExplorerTest, PlansNothingByItselfAndDrivesWhereItIsSentOverGroundThatOnlyATeammateSaw) {
   // Sent nowhere, it turns about once, in three pieces.
   for (int i = 0; i < 3; ++i) {
-    const ExplorerOrder turn = explorer_.step(now_, start_, true, false);
+    const ExplorerOrder turn = explorer_.step(now_, start_, {.arrived = true});
     ASSERT_EQ(turn.kind, Kind::kDrive);
     EXPECT_LT((turn.piece.points_m.back() - start_.position_m()).norm(), 0.05);
   }
-  EXPECT_NE(explorer_.step(now_, start_, true, false).kind, Kind::kDrive);
+  EXPECT_NE(explorer_.step(now_, start_, {.arrived = true}).kind, Kind::kDrive);
   EXPECT_TRUE(explorer_.idle());
   ASSERT_FALSE(there().elements.empty());
   explorer_.follow({there()}, now_);
@@ -167,6 +167,24 @@ TEST_F(LedExplorerTest, ItStandsWhileTrafficSaysSoAndGoesOnAfterwards) {
   EXPECT_EQ(step().kind, Kind::kDrive);
 }
 
+TEST_F(LedExplorerTest, StoppedForWhatIsInItsWayItGetsItsLegAnewTwiceAtAPlaceAndThenCountsAsStuck) {
+  start_.x_m += 1.5;
+  explorer_.follow({there()}, now_);
+  ASSERT_EQ(step().kind, Kind::kDrive);
+  for (int stop = 0; stop < 2; ++stop) {
+    for (int i = 0; i < 3; ++i) EXPECT_EQ(explorer_.step(now_, start_, {.blocked = true}).kind, Kind::kGoOn);
+    const ExplorerOrder again = step();
+    ASSERT_EQ(again.kind, Kind::kDrive) << stop;
+    EXPECT_FALSE(again.piece.backwards);
+    EXPECT_LT((again.piece.points_m.back() - there().pose.position_m()).norm(), 0.3);
+  }
+  EXPECT_EQ(explorer_.step(now_, start_, {.blocked = true}).kind, Kind::kGoOn);
+  ExplorerOrder order;
+  for (int i = 0; i < 30 && order.kind != Kind::kDrive; ++i) order = step();
+  EXPECT_TRUE(order.piece.backwards);
+  ASSERT_FALSE(explorer_.take_events().empty()) << "its target is given up";
+}
+
 TEST_F(LedExplorerTest, WhatItPushesAgainstIsInItsWay) {
   EXPECT_FALSE(drives_on_after_standing(true));
 }
@@ -179,7 +197,7 @@ TEST_F(LedExplorerTest, ItStepsAsideForATeammateAndIsDoneWhenTheTeamIs) {
   EXPECT_FALSE(explorer_.step_aside(now_, {1.5, 0.8, 0}, {5.5, 2.3, 3}, {4.5, 2.3, 3}, 0.95)) << "it is not in the way";
   start_ = {3.5, 1.5, 0};
   ASSERT_TRUE(explorer_.step_aside(now_, start_, {5.5, 2.2, 3.1}, {1.5, 2.2, 3.1}, 0.95));
-  const ExplorerOrder order = explorer_.step(now_, start_, true, false);
+  const ExplorerOrder order = explorer_.step(now_, start_, {.arrived = true});
   ASSERT_EQ(order.kind, Kind::kDrive);
   EXPECT_LT(order.piece.points_m.back().y(), 1.35);
   explorer_.finish();

@@ -54,17 +54,13 @@ void ClusterGraph::measure_inside(const Distance& distance) {
       }
     }
     if (!length.allFinite()) throw InputError("cluster graph: there is no way between two viewpoints of a cluster");
-    std::vector<Inside>& inside = inside_.emplace_back();
-    for (Eigen::Index entry = 0; entry < count; ++entry) {
-      std::vector<int> order = intra_cluster_path(length, static_cast<int>(entry));
-      const double length_m = path_length(length, order);
-      inside.push_back({std::move(order), length_m});
-    }
+    inside_.emplace_back(cluster.viewpoints.size());
+    lengths_m_.push_back(std::move(length));
   }
 }
 
 /// The nearest pair.
-Leg ClusterGraph::leg(const std::vector<int>& from, int v, const Distance& distance) const {
+Leg ClusterGraph::leg(const std::vector<int>& from, int v, const Distance& distance) {
   const auto cluster = static_cast<std::size_t>(v);
   Leg best;
   best.inter_m = std::numeric_limits<double>::infinity();
@@ -77,7 +73,13 @@ Leg ClusterGraph::leg(const std::vector<int>& from, int v, const Distance& dista
       }
     }
   }
-  best.intra_m = inside_[cluster][static_cast<std::size_t>(best.entry)].length_m;
+  std::optional<Inside>& inside = inside_[cluster][static_cast<std::size_t>(best.entry)];
+  if (!inside) {
+    std::vector<int> order = intra_cluster_path(lengths_m_[cluster], best.entry);
+    const double length_m = path_length(lengths_m_[cluster], order);
+    inside = Inside{std::move(order), length_m};
+  }
+  best.intra_m = inside->length_m;
   return best;
 }
 
@@ -117,7 +119,7 @@ std::vector<int> ClusterGraph::viewpoints(int robot, const std::vector<int>& clu
     const int v = clusters[i];
     const Leg& leg = i == 0 ? from_start(robot, v) : among(clusters[i - 1], v);
     const auto cluster = static_cast<std::size_t>(v);
-    for (const int index : inside_[cluster][static_cast<std::size_t>(leg.entry)].order) {
+    for (const int index : inside_[cluster][static_cast<std::size_t>(leg.entry)]->order) {
       numbers.push_back(clusters_[cluster].viewpoints[static_cast<std::size_t>(index)]);
     }
   }

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include "common/config/fields.h"
@@ -61,7 +62,7 @@ class ClusterGraph {
     return static_cast<std::size_t>(row) * clusters_.size() + static_cast<std::size_t>(v);
   }
   void measure_inside(const Distance& distance);
-  [[nodiscard]] Leg leg(const std::vector<int>& from, int v, const Distance& distance) const;
+  [[nodiscard]] Leg leg(const std::vector<int>& from, int v, const Distance& distance);
   [[nodiscard]] Arcs map(const std::function<double(const Leg&, const Cluster&)>& value) const;
 
   struct Inside {
@@ -71,7 +72,8 @@ class ClusterGraph {
 
   std::vector<Cluster> clusters_;
   std::vector<int> starts_;
-  std::vector<std::vector<Inside>> inside_;  ///< [cluster][entry]
+  std::vector<Matrix> lengths_m_;                           ///< [cluster] between its viewpoints
+  std::vector<std::vector<std::optional<Inside>>> inside_;  ///< [cluster][entry], of entries that an arc leads to
   std::vector<Leg> among_, from_start_;
 };
 

@@ -21,17 +21,16 @@ class MeasuredPath {
 
   [[nodiscard]] const std::vector<int>& path() const { return path_; }
 
-  /// Applies the first exchange that shortens the path; false if there is none.
+  /// Tries all exchanges once and applies each that shortens the path; false if there was none.
   bool improve() {
     const std::size_t n = path_.size();
+    bool improved = false;
     for (std::size_t i = 0; i + 2 < n; ++i) {
       for (std::size_t j = i + 1; j < n; ++j) {
-        for (std::size_t k = j; k < n; ++k) {
-          if (improve_at(i, j, k)) return true;
-        }
+        for (std::size_t k = j; k < n; ++k) improved = improve_at(i, j, k) || improved;
       }
     }
-    return false;
+    return improved;
   }
 
  private:

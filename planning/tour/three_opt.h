@@ -15,8 +15,8 @@ namespace arpent::tour {
 [[nodiscard]] double path_length(const Matrix& length, const std::vector<int>& path);
 
 /// Exchanges up to three legs (two neighbouring pieces change places or directions) as long as the open path becomes
-/// shorter; its first node stays. Never longer than `path`. O(n^3) per exchange: for clusters of some tens of
-/// viewpoints.
+/// shorter; its first node stays. Never longer than `path`. O(n^3) per pass over all exchanges: for clusters of some
+/// tens of viewpoints.
 [[nodiscard]] std::vector<int> three_opt(const Matrix& length, std::vector<int> path);
 
 /// Through all n nodes from `entry`: nearest neighbours, then 3-opt.

@@ -118,21 +118,6 @@ void add_figures(report::Page& page, const MissionEvaluation& evaluation) {
                  fmt::format("{:.1f} % of it can be seen from legal poses", evaluation.truth.visible_percent())}});
 }
 
-void add_pictures(report::Page& page, const MissionSetting& setting, const MissionResult& result,
-                  const MissionEvaluation& evaluation) {
-  const Eigen::AlignedBox3f box = setting.world.region.box_m().cast<float>();
-  const std::vector<report::ViewPath> path{driven(result, result.truth.back().stamp)};
-  const double limit_m = evaluation.reconstruction.e_max_m;
-  page.pictures({{report::draw_open(result.mesh, path, box, kPicture),
-                  "the mesh from above, what faces away left out; the way driven in red"},
-                 {report::draw_open(color_by_error(result.mesh, evaluation.truth.mesh, limit_m), {}, box, kPicture),
-                  fmt::format("signed error: red in front of the true surface, blue behind it, full colour at {:.1f} "
-                              "cm; violet: farther",
-                              100 * limit_m)},
-                 {report::draw_open(color_by_coverage(evaluation), {}, box, kPicture),
-                  "the true surface: found (light), missed (red), never to be seen (dark)"}});
-}
-
 void add_budget(report::Page& page, const MissionResult& result) {
   const TimeBudget budget = time_budget(result.commands);
   const double all_s = budget.driving_s + budget.turning_s + budget.creeping_s + budget.standing_s;
@@ -148,6 +133,20 @@ void add_budget(report::Page& page, const MissionResult& result) {
 }
 
 }  // namespace
+
+void add_pictures(report::Page& page, const MissionSetting& setting, const TriangleMesh& mesh,
+                  const std::vector<report::ViewPath>& ways, const MissionEvaluation& evaluation) {
+  const Eigen::AlignedBox3f box = setting.world.region.box_m().cast<float>();
+  const double limit_m = evaluation.reconstruction.e_max_m;
+  page.pictures({{report::draw_open(mesh, ways, box, kPicture),
+                  "the mesh from above, what faces away left out; with the ways driven"},
+                 {report::draw_open(color_by_error(mesh, evaluation.truth.mesh, limit_m), {}, box, kPicture),
+                  fmt::format("signed error: red in front of the true surface, blue behind it, full colour at {:.1f} "
+                              "cm; violet: farther",
+                              100 * limit_m)},
+                 {report::draw_open(color_by_coverage(evaluation), {}, box, kPicture),
+                  "the true surface: found (light), missed (red), never to be seen (dark)"}});
+}
 
 std::vector<report::Curve> outline(const sim::World& world) {
   const sim::GroundMap ground(world);
@@ -188,7 +187,7 @@ void add_reconstruction(report::Page& page, const MissionSetting& setting, const
   page.section("The reconstruction", "Against the true surface of " + setting.world.name +
                                          ", without what no legal pose of the robot's camera could ever see.");
   add_figures(page, evaluation);
-  add_pictures(page, setting, result, evaluation);
+  add_pictures(page, setting, result.mesh, {driven(result, result.truth.back().stamp)}, evaluation);
   const Growth growth = grow(setting, result, evaluation);
   page.section("How the map grew", fmt::format("{} depth images, fused once more from the log.", growth.fused));
   page.film(growth.frames, kFilmSeconds, "the map from above over the mission");

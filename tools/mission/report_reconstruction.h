@@ -7,12 +7,17 @@
 
 #include "tools/mission/evaluate.h"
 #include "tools/report/html.h"
+#include "tools/report/mesh_view.h"
 
 namespace arpent::tools {
 
 /// Reads the mission's log once more; seconds.
 void add_reconstruction(report::Page& page, const MissionSetting& setting, const MissionResult& result,
                         const MissionEvaluation& evaluation);
+
+/// Three pictures from above: the mesh with the ways driven, its signed errors, the true surface found and missed.
+void add_pictures(report::Page& page, const MissionSetting& setting, const TriangleMesh& mesh,
+                  const std::vector<report::ViewPath>& ways, const MissionEvaluation& evaluation);
 
 /// The world's obstacles from above, for plots with equal axes.
 [[nodiscard]] std::vector<report::Curve> outline(const sim::World& world);

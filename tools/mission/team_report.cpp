@@ -42,9 +42,9 @@ void add_paths(report::Page& page, const TeamResult& result, const TeamFigures& 
   page.plot(curves, "x [m]", "y [m]", true);
 }
 
-void add_map(report::Page& page, const TeamResult& result) {
+void add_map(report::Page& page, const TeamResult& result, const TeamFigures& figures) {
   if (result.mesh.triangles.empty()) return;
-  page.section("The fused map", "The mesh from above, with each robot's way.");
+  page.section("The fused map", "Of what all saw, against the true surface.");
   std::vector<report::ViewPath> paths;
   for (std::size_t i = 0; i < result.robots.size(); ++i) {
     const auto& bgr = kColorsBgr[i % kColorsBgr.size()];
@@ -52,7 +52,7 @@ void add_map(report::Page& page, const TeamResult& result) {
     for (const auto& pose : thin_out(result.robots[i].truth)) path.points_m.push_back(pose.T_ref_body.translation());
     paths.push_back(std::move(path));
   }
-  page.pictures({{report::draw_birds_eye(result.mesh, paths, {1000, 700}), "the mesh of what all saw"}});
+  add_pictures(page, figures.setting, result.mesh, paths, figures.evaluation);
 }
 
 void add_robots(report::Page& page, const TeamResult& result, const TeamFigures& figures) {
@@ -135,7 +135,7 @@ void write_team_report(const std::filesystem::path& folder, const MissionSpec& s
                  fmt::format("{} overlaps, least gap {:.2f} m", f.encounters.overlaps, f.encounters.least_gap_m)},
                 {"plans", std::to_string(result.centre.plans), fmt::format("{} patches", result.centre.patches)}});
   add_paths(page, result, f);
-  add_map(page, result);
+  add_map(page, result, f);
   add_robots(page, result, f);
   add_allocation(page, result);
   add_radio(page, result, f.time_s);

@@ -16,8 +16,6 @@ namespace {
 /// loop to it.
 constexpr double kSamePlaceM = 0.15;
 constexpr double kSameHeadingRad = 0.01;
-/// Faster than this a robot does not turn where it is.
-constexpr double kStandsMps = 0.05;
 
 bool begins_with_turn(const Leg& leg) {
   return !leg.motions.empty() && leg.motions.front().is_turn();

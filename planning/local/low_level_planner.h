@@ -61,12 +61,15 @@ struct Tour {
 /// What the rules of traffic say (Alg. 3): go, or stand still until they say go.
 enum class TrafficAdvice : std::uint8_t { kGo, kYield };
 
+/// Faster than this a robot does not turn where it is.
+inline constexpr double kStandsMps = 0.05;
+
 struct LowLevelInput {
   const Ground& ground;    ///< of the newest map
   const GroundGrid& grid;  ///< that it was made from
   Pose2 pose;
   TrafficAdvice traffic = TrafficAdvice::kGo;
-  double speed_mps = 0;
+  double speed_mps = 0;  ///< along the heading
 };
 
 enum class DriveOrder : std::uint8_t {

@@ -136,9 +136,7 @@ void Explorer::State::plan(Time now, const Ground& ground, const Pose2& pose, Re
   const double largest_m2 = static_cast<double>(found.largest()) * params.tsdf.voxel_m * params.tsdf.voxel_m;
   if (!looked_around && !tight && largest_m2 < params.viewpoints.min_viewpoint_m2) return look_around(now, pose);
   if (found.clusters.empty() || reason == ReplanReason::kNothingReachable) {
-    if (tight && recover(now, pose, plan_recovery(ground, pose, trail, params.recovery))) return;
-    // Boxed in by ground that it has not seen, a robot assumes once more what it assumed at the start.
-    if (tight && assume_free(pose)) return;
+    if (tight && get_out(now, ground, pose)) return;
     if (recover_by_the_way_it_came(now, ground, pose)) return;
   }
   if (is_helpless(now, reason)) {
@@ -262,6 +260,11 @@ bool Explorer::State::recover(Time now, const Pose2& pose, const std::optional<R
   recovering = true;
   standstill.begin(now);
   return true;
+}
+
+/// Of where it is boxed in. By ground that it has not seen: then it assumes once more what it assumed at the start.
+bool Explorer::State::get_out(Time now, const Ground& ground, const Pose2& pose) {
+  return recover(now, pose, plan_recovery(ground, pose, trail, params.recovery)) || assume_free(pose);
 }
 
 bool Explorer::State::is_helpless(Time now, ReplanReason reason) {

@@ -56,21 +56,19 @@ void Explorer::State::await_tour(Time now, const Ground& ground, const Pose2& po
   const bool boxed_in = ground.clearance_m(pose.position_m()) < footprint.long_m();
   if (tour.targets.empty()) {
     team.retries = 0;
-    if (!looked_around && has_room_to_turn(pose) && status.elements > 0 && now - adopted_at > from_seconds(1.0)) {
+    const bool has_room = !boxed_in || has_room_to_turn(pose);
+    if (has_room && !looked_around && status.elements > 0 && now - adopted_at > from_seconds(1.0)) {
       look_around(now, pose);
-    } else if (!has_room_to_turn(pose) && standstill.lasted(now) > kRecoverAfter) {
+    } else if (!has_room && standstill.lasted(now) > kRecoverAfter) {
       // Nobody sends a robot anywhere that cannot get out of where it is.
-      (void)(recover(now, pose, plan_recovery(ground, pose, trail, params.recovery)) || assume_free(pose));
+      (void)get_out(now, ground, pose);
     }
     return;
   }
   if (now - team.retried_at < kRetryAfter) return;
   team.retried_at = now;
   ++team.retries;
-  if (boxed_in && team.retries > 2 &&
-      (recover(now, pose, plan_recovery(ground, pose, trail, params.recovery)) || assume_free(pose))) {
-    return;
-  }
+  if (boxed_in && team.retries > 2 && get_out(now, ground, pose)) return;
   low_level.forget_unreachable();
   low_level.set_tour(tour);
 }

@@ -87,6 +87,7 @@ struct Explorer::State {
   ExplorerOrder next_piece();
   ExplorerOrder get_unstuck(Time now, const Ground& ground, const Pose2& pose, bool pushes);
   bool recover(Time now, const Pose2& pose, const std::optional<Recovery>& recovery, int most = kRecoveriesPerPlace);
+  bool get_out(Time now, const Ground& ground, const Pose2& pose);
   bool is_helpless(Time now, ReplanReason reason);
   bool recover_by_the_way_it_came(Time now, const Ground& ground, const Pose2& pose);
 

@@ -170,8 +170,8 @@ struct MissionProcess::State {
   void guard(const stereo::DepthMap& depth, const fusion::FusedPose& at) {
     const planning::StopDecision decision = eyes->guard.look(depth, eyes->T_body_cam, at.twist);
     // Once the robot stands, or backs off, the planner finds the way out: what is ahead is in its map by then.
-    const bool ends = at.twist.speed_mps < 0.02 && std::abs(at.twist.turn_rate_radps) < 0.05;
-    const bool in_the_way = decision.stop && !ends;
+    const bool stands_or_backs = at.twist.speed_mps < 0.02 && std::abs(at.twist.turn_rate_radps) < 0.05;
+    const bool in_the_way = decision.stop && !stands_or_backs;
     if (in_the_way && !blocked && life.state() == MissionState::kRunning) {
       bus.health().count("GUARD", "stops");
       bus.health().warn("stopped: something is in the way");

@@ -18,7 +18,6 @@ using planning::MissionState;
 /// Of its way a robot sends this much, in points so far apart.
 constexpr double kSentM = 3.0;
 constexpr double kSentSpacingM = 0.2;
-constexpr double kStandsMps = 0.05;
 /// A way that leads nowhere farther than this is driven.
 constexpr double kDrivenM = 0.15;
 /// After a manoeuvre for a teammate, the next not before:
@@ -130,7 +129,7 @@ planning::Vehicle TeamMember::own(const Pose2& body) const {
 std::vector<Pose2> TeamMember::bodies_in_the_way(const Pose2& body) const {
   std::vector<Pose2> bodies;
   for (const planning::Vehicle& mate : vehicles()) {
-    const bool stands = mate.lost || (std::abs(mate.twist.speed_mps) < kStandsMps && mate.path_m.empty());
+    const bool stands = mate.lost || (std::abs(mate.twist.speed_mps) < planning::kStandsMps && mate.path_m.empty());
     const bool near = (mate.pose.position_m() - body.position_m()).norm() < params_.traffic.near_m;
     if (stands || near) bodies.push_back(mate.pose);
   }
@@ -177,7 +176,7 @@ bool TeamMember::may_drive(const Pose2& body, const planning::PathRequest& way) 
 void TeamMember::make_room(const Pose2& body) {
   if (aside_at_ && clock_.now() - *aside_at_ < kAsideAgain) return;
   // The way aside begins where it stands.
-  if (std::abs(twist_.speed_mps) > kStandsMps) return;
+  if (std::abs(twist_.speed_mps) > planning::kStandsMps) return;
   for (const auto& [name, mate] : teammates_) {
     const bool asks = mate.state.blocked_by == params_.robot && (name < params_.robot || explorer_.idle());
     const bool jammed = refused_ >= kRefusedTooOften && name == nearest_to(body);

@@ -21,6 +21,21 @@ double checked(const Distance& distance, int from, int to) {
   return length_m;
 }
 
+/// From each viewpoint of the cluster to each.
+Matrix lengths_inside(const Cluster& cluster, const Distance& distance) {
+  const auto count = static_cast<Eigen::Index>(cluster.viewpoints.size());
+  Matrix length(count, count);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    for (Eigen::Index j = 0; j < count; ++j) {
+      length(i, j) = i == j ? 0.0
+                            : checked(distance, cluster.viewpoints[static_cast<std::size_t>(i)],
+                                      cluster.viewpoints[static_cast<std::size_t>(j)]);
+    }
+  }
+  if (!length.allFinite()) throw InputError("cluster graph: there is no way between two viewpoints of a cluster");
+  return length;
+}
+
 }  // namespace
 
 ClusterGraph::ClusterGraph(const std::vector<Cluster>& clusters, const std::vector<int>& starts,
@@ -32,35 +47,23 @@ ClusterGraph::ClusterGraph(const std::vector<Cluster>& clusters, const std::vect
       throw InputError("cluster graph: a cluster's gain is " + std::to_string(cluster.gain) + ", must be >= 0");
     }
   }
-  measure_inside(distance);
+  std::vector<Matrix> lengths_m;
+  for (const Cluster& cluster : clusters_) {
+    lengths_m.push_back(lengths_inside(cluster, distance));
+    inside_.emplace_back(cluster.viewpoints.size());
+  }
   for (int u = 0; u < size(); ++u) {
     const std::vector<int>& from = clusters_[static_cast<std::size_t>(u)].viewpoints;
-    for (int v = 0; v < size(); ++v) among_.push_back(u == v ? Leg{} : leg(from, v, distance));
+    for (int v = 0; v < size(); ++v) among_.push_back(u == v ? Leg{} : leg(from, v, distance, lengths_m));
   }
   for (const int start : starts_) {
-    for (int v = 0; v < size(); ++v) from_start_.push_back(leg({start}, v, distance));
+    for (int v = 0; v < size(); ++v) from_start_.push_back(leg({start}, v, distance, lengths_m));
   }
 }
 
-void ClusterGraph::measure_inside(const Distance& distance) {
-  for (const Cluster& cluster : clusters_) {
-    const auto count = static_cast<Eigen::Index>(cluster.viewpoints.size());
-    Matrix length(count, count);
-    for (Eigen::Index i = 0; i < count; ++i) {
-      for (Eigen::Index j = 0; j < count; ++j) {
-        length(i, j) = i == j ? 0.0
-                              : checked(distance, cluster.viewpoints[static_cast<std::size_t>(i)],
-                                        cluster.viewpoints[static_cast<std::size_t>(j)]);
-      }
-    }
-    if (!length.allFinite()) throw InputError("cluster graph: there is no way between two viewpoints of a cluster");
-    inside_.emplace_back(cluster.viewpoints.size());
-    lengths_m_.push_back(std::move(length));
-  }
-}
-
-/// The nearest pair.
-Leg ClusterGraph::leg(const std::vector<int>& from, int v, const Distance& distance) {
+/// The nearest pair, and the way inside from there, which is found only once per entry.
+Leg ClusterGraph::leg(const std::vector<int>& from, int v, const Distance& distance,
+                      const std::vector<Matrix>& lengths_m) {
   const auto cluster = static_cast<std::size_t>(v);
   Leg best;
   best.inter_m = std::numeric_limits<double>::infinity();
@@ -75,8 +78,8 @@ Leg ClusterGraph::leg(const std::vector<int>& from, int v, const Distance& dista
   }
   std::optional<Inside>& inside = inside_[cluster][static_cast<std::size_t>(best.entry)];
   if (!inside) {
-    std::vector<int> order = intra_cluster_path(lengths_m_[cluster], best.entry);
-    const double length_m = path_length(lengths_m_[cluster], order);
+    std::vector<int> order = intra_cluster_path(lengths_m[cluster], best.entry);
+    const double length_m = path_length(lengths_m[cluster], order);
     inside = Inside{std::move(order), length_m};
   }
   best.intra_m = inside->length_m;

@@ -61,8 +61,8 @@ class ClusterGraph {
   [[nodiscard]] std::size_t cell(int row, int v) const {
     return static_cast<std::size_t>(row) * clusters_.size() + static_cast<std::size_t>(v);
   }
-  void measure_inside(const Distance& distance);
-  [[nodiscard]] Leg leg(const std::vector<int>& from, int v, const Distance& distance);
+  [[nodiscard]] Leg leg(const std::vector<int>& from, int v, const Distance& distance,
+                        const std::vector<Matrix>& lengths_m);
   [[nodiscard]] Arcs map(const std::function<double(const Leg&, const Cluster&)>& value) const;
 
   struct Inside {
@@ -72,7 +72,6 @@ class ClusterGraph {
 
   std::vector<Cluster> clusters_;
   std::vector<int> starts_;
-  std::vector<Matrix> lengths_m_;                           ///< [cluster] between its viewpoints
   std::vector<std::vector<std::optional<Inside>>> inside_;  ///< [cluster][entry], of entries that an arc leads to
   std::vector<Leg> among_, from_start_;
 };

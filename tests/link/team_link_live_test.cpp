@@ -28,6 +28,7 @@ namespace {
 namespace fs = std::filesystem;
 using namespace std::chrono_literals;
 using Steady = std::chrono::steady_clock;
+using testing::Each;
 using testing::ElementsAre;
 using testing::IsEmpty;
 using tools::LabStation;
@@ -188,6 +189,7 @@ TEST_F(TeamLinkLive, AfterACutPatchesAndReportsComeLateAndToursOfTheCutDoNot) {
     lab_->bus(kR2).publish_bytes(channels::kRobotState, text("fresh"));
     return !heard(kR1, channels::kTeamState).empty();
   }));
+  EXPECT_THAT(heard(kR1, channels::kTeamState), Each(text("fresh")));
   EXPECT_TRUE(within(2s, [&] { return lab_->counter(kR1, "radio_command.late") == late_before + 1; }));
 }
 

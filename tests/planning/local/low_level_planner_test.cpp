@@ -58,6 +58,12 @@ class Robot {
       s -= motion.length_m;
     }
   }
+  /// To target 7 at (6.5, 3.5), of which it has driven a metre.
+  void set_out() {
+    planner.set_tour({{{7, {6.5, 3.5, 0}}}, {}});
+    EXPECT_EQ(step().order, DriveOrder::kFollow);
+    move(1);
+  }
   /// Steps and moves until the planner asks for a tour; the targets that were visited.
   std::vector<std::int64_t> run(ReplanReason& reason) {
     std::vector<std::int64_t> visited;
@@ -201,9 +207,7 @@ TEST(LowLevelPlanner, RemembersUnreachableTargetsUntilTheMapChangesThere) {
 
 TEST(LowLevelPlanner, YieldsAndLooksForItsWayAgain) {
   Robot robot({});
-  robot.planner.set_tour({{{7, {6.5, 3.5, 0}}}, {}});
-  (void)robot.step();
-  robot.move(1);
+  robot.set_out();
   EXPECT_EQ(robot.step(TrafficAdvice::kYield).order, DriveOrder::kStop);
   EXPECT_EQ(robot.step(TrafficAdvice::kYield).order, DriveOrder::kGoOn) << "said once";
   const auto on = robot.step();
@@ -214,9 +218,7 @@ TEST(LowLevelPlanner, YieldsAndLooksForItsWayAgain) {
 
 TEST(LowLevelPlanner, ALegGoesOnUnderANewTourWithTheSameFirstTarget) {
   Robot robot({});
-  robot.planner.set_tour({{{7, {6.5, 3.5, 0}}}, {}});
-  (void)robot.step();
-  robot.move(1);
+  robot.set_out();
   robot.planner.set_tour({{{99, {6.5, 3.5, 0}}, {98, {6, 1, 0}}}, {}});
   EXPECT_EQ(robot.step().order, DriveOrder::kGoOn);
   EXPECT_EQ(robot.planner.target()->id, 99);
@@ -231,9 +233,7 @@ TEST(LowLevelPlanner, ALegGoesOnUnderANewTourWithTheSameFirstTarget) {
 TEST(LowLevelPlanner, ARobotThatDrivesStopsBeforeALegThatBeginsWithATurn) {
   constexpr double kMps = 0.5;
   Robot robot({});
-  robot.planner.set_tour({{{7, {6.5, 3.5, 0}}}, {}});
-  (void)robot.step();
-  robot.move(1);
+  robot.set_out();
   robot.planner.set_tour({{{8, {6, 4, 0}}}, {}});
   EXPECT_EQ(robot.step(TrafficAdvice::kGo, kMps).order, DriveOrder::kFollow) << "an arc from where it drives";
   robot.planner.set_tour({{{9, {1, 3.5, 3}}}, {}});
@@ -251,9 +251,7 @@ TEST(LowLevelPlanner, ARobotThatDrivesStopsBeforeALegThatBeginsWithATurn) {
 
 TEST(LowLevelPlanner, ALegThatWasBrokenOffBeginsAnewWhereTheRobotStands) {
   Robot robot({});
-  robot.planner.set_tour({{{7, {6.5, 3.5, 0}}}, {}});
-  (void)robot.step();
-  robot.move(1);
+  robot.set_out();
   robot.planner.break_off();
   const auto on = robot.step();
   ASSERT_EQ(on.order, DriveOrder::kFollow);

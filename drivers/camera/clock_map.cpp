@@ -48,6 +48,14 @@ void ClockMap::fit() {
   offset_us_ = intercept(rate_);
 }
 
+std::size_t ClockMap::prompt(Duration within) const {
+  if (samples_.empty()) return 0;
+  const Sample& first = samples_.front();
+  return static_cast<std::size_t>(std::ranges::count_if(samples_, [&](const Sample& s) {
+    return us(s.delay - first.delay) - offset_us_ - rate_ * us(s.device - first.device) <= us(within);
+  }));
+}
+
 Time ClockMap::to_host(Time device) const {
   ARPENT_ASSERT(!samples_.empty());
   const Sample& first = samples_.front();

@@ -23,6 +23,9 @@ class ClockMap {
   /// Our time of a moment of the device's. Needs a sample.
   [[nodiscard]] Time to_host(Time device) const;
   [[nodiscard]] std::size_t size() const { return samples_.size(); }
+  /// Samples that came at most `within` after the earliest possible moment, as far as is known now: few of them mean
+  /// that frames have been late so far and that the line still lies too high.
+  [[nodiscard]] std::size_t prompt(Duration within) const;
   void clear() { samples_.clear(); }
 
  private:

@@ -15,6 +15,9 @@ constexpr int kMostDisagreements = 3;
 /// at worst: at 5 Hz the relation lags 20 us / 0.2 behind, far within any tolerance.
 constexpr double kFollow = 0.2;
 
+/// A frame is in time within this part of half a period, the error at which the wrong frames would be taken for a pair.
+constexpr int kPromptShare = 4;
+
 Duration absolute(Duration d) {
   return d < Duration(0) ? -d : d;
 }
@@ -76,13 +79,18 @@ Duration Pairer::half_period() const {
   return std::max(from_seconds(params_.tolerance_s), std::min(left.value_or(*right), right.value_or(*left)) / 2);
 }
 
+/// A computer that is busy at the start gets the first frames late, and often all of one camera: clocks related by
+/// these would lie a period apart. Late frames lie scattered, those in time do not.
+bool Pairer::settled(const Stream& stream) const {
+  return stream.clock.prompt(half_period() / kPromptShare) >= static_cast<std::size_t>(params_.warm_up_frames);
+}
+
 void Pairer::lock() {
   Stream& left = streams_[0];
   Stream& right = streams_[1];
   if (left.waiting.empty() || right.waiting.empty()) return;
   const bool separate = params_.clocks == "separate";
-  const auto enough = static_cast<std::size_t>(params_.warm_up_frames);
-  if (separate && (left.clock.size() < enough || right.clock.size() < enough)) return;
+  if (separate && !(settled(left) && settled(right))) return;
   const Waiting& newest = left.waiting.back();
   const auto apart = [&](const Waiting& w) {
     const Duration device = w.frame.device_time - newest.frame.device_time;

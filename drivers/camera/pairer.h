@@ -43,7 +43,8 @@ struct PairerParams {
                   config::between(1e-6, 1.0));
     visitor.field("queue", self.queue, "frames of one camera that wait for the other's", config::between(1, 100));
     visitor.field("warm_up_frames", self.warm_up_frames,
-                  "frames of each camera that relate separate clocks before the first pair", config::between(1, 100));
+                  "frames of each camera that must have come in time before separate clocks are related",
+                  config::between(1, 100));
     visitor.field("transfer_s", self.transfer_s, "shortest time from the end of the exposure to the frame's arrival",
                   config::between(0.0, 1.0));
   }
@@ -105,6 +106,7 @@ class Pairer {
   void match();
   void lock();
   [[nodiscard]] Duration half_period() const;
+  [[nodiscard]] bool settled(const Stream& stream) const;
   /// < 0: the left frame is older than the right one; 0: they belong together.
   [[nodiscard]] int compare(const Waiting& left, const Waiting& right) const;
   void join(const Waiting& left, const Waiting& right);

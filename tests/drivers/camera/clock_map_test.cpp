@@ -49,6 +49,16 @@ TEST(CameraClockMap, ArrivalJitterHardlyReachesTheResultAndNeverMakesItEarly) {
   }
 }
 
+TEST(CameraClockMap, LateSamplesAreNotPromptAndAnEarlierOneShowsThatTheOthersWereLate) {
+  ClockMap map;
+  EXPECT_EQ(map.prompt(Duration(1000)), 0U);
+  for (int i = 0; i < 5; ++i) map.add(Time(Duration(200'000LL * i)), Time(Duration(200'000LL * i + 50'000 + 100 * i)));
+  EXPECT_EQ(map.prompt(Duration(1000)), 5U);
+  map.add(Time(Duration(1'000'000)), Time(Duration(1'000'000 + 20'000)));
+  EXPECT_EQ(map.prompt(Duration(1000)), 1U);
+  EXPECT_EQ(map.prompt(Duration(60'000)), 6U);
+}
+
 TEST(CameraClockMap, IsTheHighestLineBelowAllSamplesAsBruteForceFindsIt) {
   std::mt19937 random(3);
   std::uniform_int_distribution<int> delay(0, 3000);

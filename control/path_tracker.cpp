@@ -201,9 +201,22 @@ struct PathTracker::State {
     return command;
   }
 
+  /// Time for which the limits let the command change.
+  [[nodiscard]] double since_last_s(Time now) const {
+    return sent.empty() ? params.period_s : std::clamp(to_seconds(now - sent.back().first), 0.0, params.period_s);
+  }
+
+  /// Less speed on the same arc: beside an obstacle, whoever planned the bend or ordered the stop has looked for room
+  /// there and not straight on.
+  [[nodiscard]] Twist2 slower(Time now) const {
+    if (last.speed_mps <= 0) return {};
+    const double less_mps = params.limits.max_acceleration_mps2 * since_last_s(now);
+    const double keep = std::max(0.0, 1 - less_mps / last.speed_mps);
+    return {keep * last.speed_mps, keep * last.turn_rate_radps};
+  }
+
   TrackerOutput give(Time now, TrackerOutput output, const Twist2& wanted) {
-    const double since_last_s = sent.empty() ? params.period_s : to_seconds(now - sent.back().first);
-    last = hold_to_limits(wanted, last, params.limits, std::clamp(since_last_s, 0.0, params.period_s));
+    last = hold_to_limits(wanted, last, params.limits, since_last_s(now));
     sent.emplace_back(now, last);
     while (sent.size() > 2 && sent[1].first + from_seconds(params.delay_s + params.max_pose_age_s) < now) {
       sent.pop_front();
@@ -214,7 +227,7 @@ struct PathTracker::State {
   }
 
   TrackerOutput brake(Time now, TrackerOutput output, const std::string& reason) {
-    TrackerOutput braking = give(now, std::move(output), {});
+    TrackerOutput braking = give(now, std::move(output), slower(now));
     braking.mode = TrackerMode::kBrake;
     braking.reason = reason;
     plan.setZero();
@@ -233,7 +246,8 @@ struct PathTracker::State {
     const double error = wrap_angle(heading_rad - at.yaw_rad);
     const bool standing = std::abs(at.twist.speed_mps) < kStandMps;
     if (std::abs(error) < tolerance_rad && std::abs(at.twist.turn_rate_radps) < kStandRadps && standing) mode = next;
-    return give(now, std::move(output), {0, mode == next || !standing ? 0.0 : turn_rate_to(error)});
+    if (!standing) return give(now, std::move(output), slower(now));
+    return give(now, std::move(output), {0, mode == next ? 0.0 : turn_rate_to(error)});
   }
 
   TrackerOutput track(Time now, TrackerOutput output, const BaseState& at, double across_m, double heading_error) {
@@ -289,7 +303,7 @@ TrackerOutput PathTracker::brake(Time now, const std::string& reason) {
 TrackerOutput PathTracker::step(Time now, const BaseState& state) {
   State& s = *state_;
   TrackerOutput output;
-  if (!s.path) return s.give(now, output, {});
+  if (!s.path) return s.give(now, output, s.slower(now));
   if (!finite(state)) return s.brake(now, output, "the pose is not finite");
   const double age_s = to_seconds(now - state.stamp);
   if (age_s > s.params.max_pose_age_s || age_s < 0) return s.brake(now, output, "the pose is stale");
@@ -321,7 +335,7 @@ TrackerOutput PathTracker::step(Time now, const BaseState& state) {
     case TrackerMode::kTurnToGoal:
       return s.turn(now, output, at, *s.goal_heading_rad, kAtHeadingRad, TrackerMode::kArrived);
     default:
-      return s.give(now, output, {});
+      return s.give(now, output, s.slower(now));
   }
 }
 

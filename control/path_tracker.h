@@ -78,11 +78,12 @@ class PathTracker {
   /// Replaces the path; the base goes on from the speed it has. Without a goal heading it stops as it comes.
   /// `backwards`: tail first.
   void follow(Path path, std::optional<double> goal_heading_rad, bool backwards = false);
-  /// Brakes to a stand and forgets the path.
+  /// Brakes to a stand on the arc that is being driven and forgets the path.
   void stop();
   /// The base has been stopped by other means: what was commanded before is void.
   void halt();
-  /// One cycle of braking at the limit, for a reason that the caller knows; the path is kept.
+  /// One cycle of braking at the limit on the arc that is being driven, for a reason that the caller knows; the path is
+  /// kept.
   [[nodiscard]] TrackerOutput brake(Time now, const std::string& reason);
   /// One cycle. Never throws; a state that is not finite or stale makes it brake. Commands stay within the limits from
   /// one call to the next, even if it comes early.

@@ -17,8 +17,14 @@ namespace {
 constexpr double kSamePlaceM = 0.15;
 constexpr double kSameHeadingRad = 0.01;
 
-bool begins_with_turn(const Leg& leg) {
-  return !leg.motions.empty() && leg.motions.front().is_turn();
+/// As far as the leg is driven without a stop: to its first turn on the spot, or its end.
+double first_drive_m(const Leg& leg) {
+  double driven_m = 0;
+  for (const Motion& motion : leg.motions) {
+    if (motion.is_turn()) break;
+    driven_m += motion.length_m;
+  }
+  return driven_m;
 }
 
 bool leads_to(const Leg& leg, const Pose2& goal) {
@@ -149,6 +155,12 @@ bool LowLevelPlanner::reached(const Pose2& pose) const {
          std::abs(wrap_angle(goal.yaw_rad - pose.yaw_rad)) <= params_.goal_tolerance_rad;
 }
 
+/// A robot that drives would stop, and turn, farther ahead than the leg does, where nobody has looked for room.
+bool LowLevelPlanner::overshoots(const Leg& leg, double speed_mps) const {
+  return std::abs(speed_mps) > kStandsMps &&
+         first_drive_m(leg) < speed_mps * speed_mps / (2 * params_.deceleration_mps2);
+}
+
 bool LowLevelPlanner::try_leg(const LowLevelInput& input, const TourTarget& target, LowLevelOutput& output) {
   if (const auto known = unreachable_.find(target.pose, input.pose, input.grid)) {
     output.skipped.push_back({target.id, *known});
@@ -162,8 +174,7 @@ bool LowLevelPlanner::try_leg(const LowLevelInput& input, const TourTarget& targ
     output.skipped.push_back({target.id, result.reason});
     return false;
   }
-  // While it drives it would turn farther ahead, where nobody has looked for room: it stops, and looks again.
-  if (begins_with_turn(*result.leg) && std::abs(input.speed_mps) > kStandsMps) return true;
+  if (overshoots(*result.leg, input.speed_mps)) return true;  // it stops, and looks again
   LegProgress progress(*result.leg);
   output.order = DriveOrder::kFollow;
   output.leg = *result.leg;

@@ -24,6 +24,7 @@ struct LowLevelParams {
   bool bypass_obstacles = true;
   double obstacle_depth_m = 0.03;
   double max_off_leg_m = 0.5;
+  double deceleration_mps2 = 0.35;
   LegPlannerParams leg;
 
   template <class Self, class Visitor>
@@ -43,6 +44,8 @@ struct LowLevelParams {
                   "a leg is blocked when the footprint would reach deeper than this", config::between(0.0, 0.2));
     visitor.field("max_off_leg_m", self.max_off_leg_m, "farther from its leg than this the robot gets a new one",
                   config::between(0.05, 5.0));
+    visitor.field("deceleration_mps2", self.deceleration_mps2,
+                  "with which a robot stops on its path; sooner it is given no stop", config::greater_than(0.0));
     visitor.group("leg", self.leg, "how legs are found");
   }
 };
@@ -135,6 +138,7 @@ class LowLevelPlanner {
   void drive(const LowLevelInput& input, LowLevelOutput& output);
   void begin_next_leg(const LowLevelInput& input, LowLevelOutput& output);
   [[nodiscard]] bool reached(const Pose2& pose) const;
+  [[nodiscard]] bool overshoots(const Leg& leg, double speed_mps) const;
   [[nodiscard]] bool try_leg(const LowLevelInput& input, const TourTarget& target, LowLevelOutput& output);
 
   LowLevelParams params_;

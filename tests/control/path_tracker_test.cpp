@@ -202,6 +202,29 @@ TEST(PathTracker, StopEndsTheMotionSmoothly) {
   EXPECT_LT(std::abs(plant.state().twist.speed_mps), 1e-3);
 }
 
+TEST(PathTracker, WhoeverStopsInABendStaysOnItsArc) {
+  const TrackerParams params;
+  for (const bool forgets : {true, false}) {
+    PathTracker tracker(params);
+    tracker.follow(Path(bend(), params.limits), std::nullopt);
+    Plant plant({}, {});
+    while (plant.state().yaw_rad < 0.5) plant.move(tracker.step(plant.state().stamp, plant.state()).command, kPeriodS);
+    const BaseState begin = plant.state();
+    ASSERT_GT(begin.twist.turn_rate_radps, 0.3);
+    const double radius = begin.twist.speed_mps / begin.twist.turn_rate_radps;
+    const Eigen::Vector2d centre =
+        begin.p_map_m + radius * Eigen::Vector2d(-std::sin(begin.yaw_rad), std::cos(begin.yaw_rad));
+    if (forgets) tracker.stop();
+    for (int i = 0; i < 40; ++i) {
+      const Time now = plant.state().stamp;
+      plant.move((forgets ? tracker.step(now, plant.state()) : tracker.brake(now, "told to")).command, kPeriodS);
+      ASSERT_NEAR((plant.state().p_map_m - centre).norm(), radius, 0.01);
+    }
+    EXPECT_LT(std::abs(plant.state().twist.speed_mps), 1e-3);
+    EXPECT_GT((plant.state().p_map_m - begin.p_map_m).norm(), 0.15) << "straight on would be 2 cm off the arc";
+  }
+}
+
 TEST(PathTracker, ANewPathInABendIsTakenWithoutStopping) {
   const TrackerParams params;
   PathTracker tracker(params);

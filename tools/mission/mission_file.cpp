@@ -17,6 +17,8 @@ namespace {
 const char* const kFilledIn = "-";
 /// Between the seeds of a team's robots.
 constexpr int kSeedStep = 1000;
+/// Of a base's deceleration, what its stops on a path may need: the tracker uses 0.9, the rest is for delays.
+constexpr double kShareOfBrakes = 0.7;
 
 tags::TagCubeConfig to_config(const sim::TagCube& cube) {
   tags::TagCubeConfig config;
@@ -110,6 +112,7 @@ MissionSpec load_mission(const std::filesystem::path& file, const MissionOverrid
   spec.mission.explore.footprint = {robot.semi_axis_long_m, robot.semi_axis_short_m};
   spec.mission.explore.nominal_speed_mps = robot.limits.max_speed_mps;
   spec.mission.stop_guard.deceleration_mps2 = robot.limits.max_acceleration_mps2;
+  spec.mission.explore.low_level.deceleration_mps2 = kShareOfBrakes * robot.limits.max_acceleration_mps2;
   set_centre(spec, robot);
   if (spec.use_region) {
     set_region(world.region, spec.mission.explore);

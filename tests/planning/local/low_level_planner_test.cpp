@@ -249,6 +249,19 @@ TEST(LowLevelPlanner, ARobotThatDrivesStopsBeforeALegThatBeginsWithATurn) {
   EXPECT_EQ(back.replan, ReplanReason::kNone);
 }
 
+TEST(LowLevelPlanner, ARobotThatDrivesStopsBeforeALegShorterThanItsBrakingDistance) {
+  const double braking_m = 0.5 * 0.5 / (2 * LowLevelParams().deceleration_mps2);
+  Robot robot({});
+  robot.set_out();
+  const Pose2 at = robot.pose;
+  const auto ahead = [&](double by_m) { return Pose2{at.x_m + by_m, at.y_m, 0}; };
+  robot.planner.set_tour({{{8, ahead(braking_m - 0.05)}}, {}});
+  EXPECT_EQ(robot.step(TrafficAdvice::kGo, 0.5).order, DriveOrder::kStop);
+  EXPECT_EQ(robot.step(TrafficAdvice::kGo, 0.3).order, DriveOrder::kFollow) << "slower, it can stop in time";
+  robot.planner.set_tour({{{9, ahead(braking_m + 0.15)}}, {}});
+  EXPECT_EQ(robot.step(TrafficAdvice::kGo, 0.5).order, DriveOrder::kFollow);
+}
+
 TEST(LowLevelPlanner, ALegThatWasBrokenOffBeginsAnewWhereTheRobotStands) {
   Robot robot({});
   robot.set_out();

@@ -5,6 +5,7 @@
 // Sect. 2.5.3, Table 5.3). For quick checks against a field of distances it is also a row of discs on the long axis.
 #pragma once
 
+#include <algorithm>
 #include <vector>
 
 #include "common/config/fields.h"
@@ -16,7 +17,7 @@ struct FootprintParams {
   double semi_axis_long_m = 0.55;
   double semi_axis_short_m = 0.25;
 
-  /// By a margin all around, for planning.
+  /// By a margin all around, for planning (planning_margin_m).
   [[nodiscard]] FootprintParams grown(double margin_m) const {
     return {semi_axis_long_m + margin_m, semi_axis_short_m + margin_m};
   }
@@ -29,6 +30,12 @@ struct FootprintParams {
                   config::between(0.05, 3.0));
   }
 };
+
+/// By how much to grow a footprint [m] for plans over a map of such voxels: at least half a voxel, for the surface of
+/// coarse voxels cuts corners, and what sticks out of it meets the tail of a robot that turns.
+[[nodiscard]] inline double planning_margin_m(double least_m, double voxel_m) {
+  return std::max(least_m, 0.5 * voxel_m);
+}
 
 /// On the long axis: centre at `along_m` ahead of the origin.
 struct FootprintDisc {

@@ -25,7 +25,7 @@ struct LegPlannerParams {
     visitor.field("planner", self.planner, "how legs are found", config::one_of({"lattice", "lazy_prm"}));
     visitor.field("start_slack_m", self.start_slack_m,
                   "so far the footprint may reach into what is not free where the robot stands already",
-                  config::between(0.0, 0.2));
+                  config::between(0.0, 0.5));
     visitor.group("lattice", self.lattice, "arcs and turns on the spot over the field of costs");
     visitor.group("lazy_prm", self.lazy_prm, "the thesis' random roadmap");
   }

@@ -21,6 +21,17 @@ constexpr int kLastImages = 3;
 /// Standing for so long with something left to do, and no way out found, is the end.
 constexpr Duration kHelplessAfter = std::chrono::seconds(30);
 
+double margin_m(const ExplorerParams& params) {
+  return planning_margin_m(params.footprint_margin_m, params.tsdf.voxel_m);
+}
+
+/// A robot that stands as near to something as its guard lets it come may set out from there, whatever the margin.
+LowLevelParams low_level_of(const ExplorerParams& params) {
+  LowLevelParams low_level = params.low_level;
+  low_level.leg.start_slack_m += margin_m(params) - params.footprint_margin_m;
+  return low_level;
+}
+
 }  // namespace
 
 Explorer::State::State(const ExplorerParams& p, const LevelCamera& camera)
@@ -30,8 +41,8 @@ Explorer::State::State(const ExplorerParams& p, const LevelCamera& camera)
       grid(p.grid),
       fresh(p.fresh),
       body_footprint(p.footprint),
-      footprint(p.footprint.grown(p.footprint_margin_m)),
-      low_level(p.low_level),
+      footprint(p.footprint.grown(margin_m(p))),
+      low_level(low_level_of(p)),
       trail(kTrailM) {}
 
 void Explorer::State::integrate(const stereo::DepthMap& depth, const Pose& T_map_cam, const Pose2& body) {
@@ -278,7 +289,7 @@ bool Explorer::State::is_helpless(Time now, ReplanReason reason) {
 bool Explorer::State::recover_by_the_way_it_came(Time now, const Ground& ground, const Pose2& pose) {
   if (standstill.lasted(now) < from_seconds(params.stuck_s)) return false;
   RecoveryParams bold = params.recovery;
-  bold.max_deeper_m += params.footprint_margin_m + params.grid.cell_m;
+  bold.max_deeper_m += margin_m(params) + params.grid.cell_m;
   return recover(now, pose, back_off(ground, pose, trail, kBackOffM, bold), kRecoveriesPerPlace + 1);
 }
 

@@ -108,7 +108,7 @@ struct Centre::State {
         map(p.tsdf),
         targets(p.viewpoints, camera, box_between(p.region_min_m, p.region_max_m)),
         grid(p.grid),
-        footprint(p.footprint.grown(p.footprint_margin_m)),
+        footprint(p.footprint.grown(planning_margin_m(p.footprint_margin_m, p.tsdf.voxel_m))),
         body(p.footprint) {}
 
   Result<std::size_t> take(const mapping::MapPatch& patch) {

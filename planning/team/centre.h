@@ -51,8 +51,8 @@ struct CentreParams {
     visitor.group("footprint", self.footprint, "what each robot covers of it");
     visitor.group("costs", self.costs, "what drives cost");
     visitor.group("allocation", self.allocation, "who visits what");
-    visitor.field("footprint_margin_m", self.footprint_margin_m, "by which footprints are grown for planning",
-                  config::between(0.0, 0.5));
+    visitor.field("footprint_margin_m", self.footprint_margin_m,
+                  "by which footprints are grown for planning, at least half a voxel", config::between(0.0, 0.5));
     visitor.field("start_clearance_m", self.start_clearance_m,
                   "a disc of this radius around each robot's start is declared free", config::between(0.0, 5.0));
     visitor.field("body_gap_m", self.body_gap_m, "kept from robots that are lost", config::between(0.0, 1.0));

@@ -8,14 +8,16 @@
 #include "common/bus/typed.h"
 #include "common/channels.h"
 #include "common/crc32c.h"
+#include "common/error.h"
 #include "perception/fusion/wire.h"
 #include "planning/team/wire.h"
 #include "tools/mission/run.h"
 #include "tools/replay/compact.h"
 
 namespace arpent::tools {
+
 void MissionCollector::take(Time time, const std::string& channel, BytesView bytes) {
-  if (log_ != nullptr) log_->write(time, channel, compact_for_log(channel, bytes));
+  if (log_ != nullptr && !log_->write(time, channel, compact_for_log(channel, bytes))) refused_ = true;
   const std::int64_t utime = to_utime(time);
   result_.log_crc = crc32c_of(std::span<const std::int64_t>(&utime, 1), result_.log_crc);
   result_.log_crc = crc32c_of(bytes, result_.log_crc);
@@ -56,6 +58,19 @@ void MissionCollector::take(Time time, const std::string& channel, BytesView byt
   } else if (channel == channels::kEstop) {
     ++result_.estops;
   }
+}
+
+std::string close_log(LogWriter& log) {
+  try {
+    log.close();
+  } catch (const InputError& fault) {
+    return fault.what();
+  }
+  return "";
+}
+
+void MissionCollector::close() {
+  result_.log_fault = close_log(*log_);
 }
 
 }  // namespace arpent::tools

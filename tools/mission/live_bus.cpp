@@ -128,8 +128,8 @@ void finish_log(const fs::path& raw, MissionResult& result, const MissionSpec& s
     if (std::exchange(first, false)) write_configs(log, event->time, spec);
     collector.take(event->time, event->channel, event->data);
   }
-  log.close();
-  fs::remove(raw);
+  collector.close();
+  if (result.log_fault.empty()) fs::remove(raw);
 }
 
 }  // namespace arpent::tools

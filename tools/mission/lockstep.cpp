@@ -15,6 +15,7 @@
 #include "common/error.h"
 #include "common/memory.h"
 #include "mapping/surface/mesh_extraction.h"
+#include "tools/mission/disk_reserve.h"
 #include "tools/mission/live.h"
 #include "tools/progress.h"
 #include "tools/replay/replay.h"
@@ -82,6 +83,7 @@ MissionResult run_lockstep(const MissionSpec& spec, const MissionOptions& option
   const auto wall_start = std::chrono::steady_clock::now();
   MissionResult result;
   result.log = options.out / "mission.lcmlog";
+  DiskReserve reserve(options.out);
   LogWriter log(result.log);
   write_configs(log, kStart, spec);
   MissionCollector collector(result, &log);
@@ -95,12 +97,13 @@ MissionResult run_lockstep(const MissionSpec& spec, const MissionOptions& option
                           encode(planning::to_wire(kStart, {planning::MissionCommand::kStart, "mission"})));
   while (!result.ended() && !interrupted()) {
     stack.executor().run_until(stack.executor().now() + kStep);
+    if (collector.log_was_refused()) reserve.log_was_refused();
     if (options.progress) show(result);
   }
   stack.executor().run_until(stack.executor().now() + kRunOut);
   stack.finish();
   stack.executor().run_until(stack.executor().now() + kStep);
-  log.close();
+  collector.close();
   result.collisions = sim.collisions();
   result.mesh = mapping::extract_mesh(mapping.map());
   result.processes = stack.figures();

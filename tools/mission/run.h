@@ -68,20 +68,30 @@ struct MissionResult {
   double cpu_s = 0;
   double wall_s = 0;
   std::filesystem::path log;
+  std::string log_fault;  ///< why the log is not complete; all else is
 
   [[nodiscard]] bool done() const { return !reports.empty() && reports.back().state == planning::MissionState::kDone; }
   [[nodiscard]] bool ended() const { return !reports.empty() && has_ended(reports.back()); }
 };
 
-/// Gathers a result from the messages of a run, in order; writes them to `log` if there is one, images compressed.
+/// Closes a log; what is wrong with it in a sentence, or nothing.
+[[nodiscard]] std::string close_log(LogWriter& log);
+
+/// Gathers a result from the messages of a run, in order; writes them to `log` if there is one, images
+/// compressed.
 class MissionCollector {
  public:
   MissionCollector(MissionResult& result, LogWriter* log) : result_(result), log_(log) {}
   void take(Time time, const std::string& channel, BytesView bytes);
+  /// The disk has refused: the log has ended.
+  [[nodiscard]] bool log_was_refused() const { return refused_; }
+  /// Closes the log, which there must be; what it lacks is in the result.
+  void close();
 
  private:
   MissionResult& result_;
   LogWriter* log_;
+  bool refused_ = false;
 };
 
 [[nodiscard]] MissionResult run_mission(const MissionSpec& spec, const MissionOptions& options);

@@ -14,6 +14,7 @@
 #include "common/error.h"
 #include "common/memory.h"
 #include "mapping/surface/mesh_extraction.h"
+#include "tools/mission/disk_reserve.h"
 #include "tools/mission/encounters.h"
 #include "tools/mission/live.h"
 #include "tools/mission/lockstep.h"
@@ -32,7 +33,11 @@ struct Listener {
 class TeamRun {
  public:
   TeamRun(const MissionSpec& spec, const MissionOptions& options)
-      : spec_(spec), deaths_(deaths(spec)), joins_(joins(spec)), stack_(kStart, options.threads) {
+      : spec_(spec),
+        deaths_(deaths(spec)),
+        joins_(joins(spec)),
+        reserve_(options.out),
+        stack_(kStart, options.threads) {
     result_.names = robot_names(spec);
     sims_.resize(result_.names.size());
     result_.robots.resize(result_.names.size());
@@ -58,6 +63,8 @@ class TeamRun {
       for (const TeamEvent& death : deaths_) kill(death);
       for (const TeamEvent& join : joins_) admit(join);
       stack_.executor().run_until(stack_.executor().now() + kStep);
+      const auto refused = [](const Listener& l) { return l.collector->log_was_refused(); };
+      if (std::ranges::any_of(listeners_, refused)) reserve_.log_was_refused();
       if (progress) show();
     }
     stack_.executor().run_until(stack_.executor().now() + kRunOut);
@@ -154,10 +161,13 @@ class TeamRun {
 
   void gather() {
     for (std::size_t i = 0; i < result_.robots.size(); ++i) {
-      listeners_[i].log->close();
+      listeners_[i].collector->close();
       result_.robots[i].collisions = sims_[i] != nullptr ? sims_[i]->collisions() : 0;
     }
-    centre_log_->close();
+    result_.log_fault = close_log(*centre_log_);
+    for (const MissionResult& robot : result_.robots) {
+      if (!robot.log_fault.empty()) result_.log_fault = robot.log_fault;
+    }
     result_.mesh = mapping::extract_mesh(centre_->centre().map());
     result_.centre = centre_->centre().status();
     result_.radio_bytes = radio_->bytes_by_channel();
@@ -169,6 +179,7 @@ class TeamRun {
 
   const MissionSpec& spec_;
   std::vector<TeamEvent> deaths_, joins_;
+  DiskReserve reserve_;
   TeamResult result_;
   std::vector<Listener> listeners_;
   std::unique_ptr<LogWriter> centre_log_;

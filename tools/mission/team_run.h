@@ -26,6 +26,7 @@ struct TeamResult {
   std::map<std::string, ProcessFigures> processes;  ///< by bus and name
   double cpu_s = 0;
   double wall_s = 0;
+  std::string log_fault;  ///< why one of the logs is not complete
 };
 
 /// Throws InputError for a team that cannot be: of another kind than explore, more robots than starts.

@@ -45,7 +45,8 @@ struct LowLevelParams {
     visitor.field("max_off_leg_m", self.max_off_leg_m, "farther from its leg than this the robot gets a new one",
                   config::between(0.05, 5.0));
     visitor.field("deceleration_mps2", self.deceleration_mps2,
-                  "with which a robot stops on its path; sooner it is given no stop", config::greater_than(0.0));
+                  "with which a robot stops on its path; it gets no leg that ends or turns sooner",
+                  config::greater_than(0.0));
     visitor.group("leg", self.leg, "how legs are found");
   }
 };

@@ -289,7 +289,7 @@ bool Explorer::State::is_helpless(Time now, ReplanReason reason) {
 bool Explorer::State::recover_by_the_way_it_came(Time now, const Ground& ground, const Pose2& pose) {
   if (standstill.lasted(now) < from_seconds(params.stuck_s)) return false;
   RecoveryParams bold = params.recovery;
-  bold.max_deeper_m += margin_m(params) + params.grid.cell_m;
+  bold.max_deeper_m += params.footprint_margin_m + params.grid.cell_m;
   return recover(now, pose, back_off(ground, pose, trail, kBackOffM, bold), kRecoveriesPerPlace + 1);
 }
 

@@ -61,10 +61,9 @@ struct ExplorerParams {
     visitor.group("low_level", self.low_level, "legs and when to plan anew");
     visitor.group("recovery", self.recovery, "what to do when boxed in");
     visitor.group("tour", self.tour, "the order of clusters");
-    visitor.field(
-        "footprint_margin_m", self.footprint_margin_m,
-        "by which the footprint is grown for planning: errors of map, pose and tracking; at least half a voxel",
-        config::between(0.0, 0.5));
+    visitor.field("footprint_margin_m", self.footprint_margin_m,
+                  "by which the footprint is grown for planning (errors of map, pose, tracking), at least half a voxel",
+                  config::between(0.0, 0.5));
     visitor.field("start_clearance_m", self.start_clearance_m,
                   "a disc of this radius around the start is declared free: the camera never sees it",
                   config::between(0.0, 5.0));

@@ -129,7 +129,12 @@ planning::Vehicle TeamMember::own(const Pose2& body) const {
 std::vector<Pose2> TeamMember::bodies_in_the_way(const Pose2& body) const {
   std::vector<Pose2> bodies;
   for (const planning::Vehicle& mate : vehicles()) {
-    const bool stands = mate.lost || (std::abs(mate.twist.speed_mps) < planning::kStandsMps && mate.path_m.empty());
+    if (mate.lost) {
+      const std::vector<Pose2> places = planning::resting_places(mate.pose, mate.twist);
+      bodies.insert(bodies.end(), places.begin(), places.end());
+      continue;
+    }
+    const bool stands = std::abs(mate.twist.speed_mps) < planning::kStandsMps && mate.path_m.empty();
     const bool near = (mate.pose.position_m() - body.position_m()).norm() < params_.traffic.near_m;
     if (stands || near) bodies.push_back(mate.pose);
   }

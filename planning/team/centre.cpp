@@ -12,6 +12,7 @@
 #include "mapping/tsdf/storage.h"
 #include "planning/local/obstacles.h"
 #include "planning/mission/ground_free_space.h"
+#include "planning/team/traffic.h"
 
 namespace arpent::planning {
 namespace {
@@ -206,7 +207,9 @@ struct Centre::State {
     grid.update(map);
     std::vector<Pose2> bodies, robots;
     for (const auto& [name, member] : members) {
-      if (is_lost(member, now)) bodies.push_back(member.state.body);
+      if (!is_lost(member, now)) continue;
+      const std::vector<Pose2> places = resting_places(member.state.body, member.state.twist);
+      bodies.insert(bodies.end(), places.begin(), places.end());
     }
     std::vector<RobotPlace> places;
     VoxelSet held;

@@ -20,6 +20,10 @@ constexpr double kMovingRadps = 0.1;
 /// What a robot that stands may do before it is noticed.
 constexpr double kStartM = 0.2;
 
+/// Of a robot that fell silent: the age of its last state and the time of its dead man's switch; and how it brakes.
+constexpr double kLostDelayS = 0.5;
+constexpr double kLostMps2 = 0.5;
+
 bool moves(const Vehicle& v) {
   return !v.lost && (std::abs(v.twist.speed_mps) > kMovingMps || std::abs(v.twist.turn_rate_radps) > kMovingRadps);
 }
@@ -87,6 +91,20 @@ void add_drift(Way& way, const Vehicle& v, double length_m) {
 
 }  // namespace
 
+std::vector<Pose2> resting_places(const Pose2& last, const Twist2& twist) {
+  const double time_s = kLostDelayS + std::abs(twist.speed_mps) / (2 * kLostMps2);
+  const double way_m = twist.speed_mps * time_s, turn_rad = twist.turn_rate_radps * time_s;
+  const int steps = static_cast<int>(std::ceil(std::max(std::abs(way_m) / kStepM, std::abs(turn_rad) / kTurnStepRad)));
+  std::vector<Pose2> places = {last};
+  for (int i = 0; i < steps; ++i) {
+    const Pose2& from = places.back();
+    const double middle = from.yaw_rad + 0.5 * turn_rad / steps;
+    places.push_back({from.x_m + way_m / steps * std::cos(middle), from.y_m + way_m / steps * std::sin(middle),
+                      wrap_angle(from.yaw_rad + turn_rad / steps)});
+  }
+  return places;
+}
+
 Traffic::Traffic(const TrafficParams& params, const Footprint& footprint) : params_(params), footprint_(footprint) {
   config::check(params, "traffic");
 }
@@ -105,7 +123,11 @@ bool Traffic::must_brake(const Vehicle& own, const Vehicle& other) const {
   if (moves(own)) add_drift(mine, own, stop_m);
   add_turn(mine, own, params_.delay_s);
   Way theirs;
-  theirs.add(other.pose, 0);
+  if (other.lost) {
+    for (const Pose2& pose : resting_places(other.pose, other.twist)) theirs.add(pose, 0);
+  } else {
+    theirs.add(other.pose, 0);
+  }
   if (moves(other)) {
     const double length_m = stopping_m(other.twist.speed_mps);
     theirs = way_of(other, length_m);

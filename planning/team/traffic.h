@@ -55,8 +55,12 @@ struct Vehicle {
   std::vector<Eigen::Vector2d> path_m;                   ///< that it is about to drive; empty: it stays
   bool backwards = false;                                ///< along it
   std::optional<double> end_heading_rad = std::nullopt;  ///< to which it turns on the spot there
-  bool lost = false;  ///< it is silent: it stays where it is, and nobody waits for it
+  bool lost = false;  ///< it is silent: it stands at one of its resting places, and nobody waits for it
 };
+
+/// Where a robot that fell silent may stand: from the pose of its last state as far along its arc as the dead man's
+/// switch and the brakes take. At most 10 cm apart, the last pose first.
+[[nodiscard]] std::vector<Pose2> resting_places(const Pose2& last, const Twist2& twist);
 
 struct TrafficDecision {
   TrafficAdvice advice = TrafficAdvice::kGo;

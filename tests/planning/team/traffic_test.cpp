@@ -125,6 +125,40 @@ TEST(Traffic, AStandingOrLostRobotIsNotRunInto) {
   }
 }
 
+TEST(Traffic, ARobotThatFellSilentMayStandAnywhereOnTheArcOfItsBraking) {
+  const Pose2 last{1, 2, 0.3};
+  EXPECT_EQ(resting_places(last, {}).size(), 1U);
+  EXPECT_EQ(resting_places(last, {}).front(), last);
+  for (const double speed : {0.5, -0.5}) {
+    const Twist2 twist{speed, 0.7};
+    const std::vector<Pose2> places = resting_places(last, twist);
+    EXPECT_EQ(places.front(), last);
+    double way_m = 0;
+    for (std::size_t i = 1; i < places.size(); ++i) {
+      const Eigen::Vector2d step = places[i].position_m() - places[i - 1].position_m();
+      way_m += step.norm();
+      EXPECT_LE(step.norm(), 0.1 + 1e-9);
+      const double middle = 0.5 * (places[i].yaw_rad + places[i - 1].yaw_rad);
+      EXPECT_NEAR(step.dot(Eigen::Vector2d(std::cos(middle), std::sin(middle))), std::copysign(step.norm(), speed),
+                  1e-9);
+    }
+    EXPECT_NEAR(way_m, 0.5 * 0.5 + 0.5 * 0.5 / (2 * 0.5), 1e-3) << "half a second, then 0.5 m/s^2";
+    EXPECT_NEAR((places.back().yaw_rad - last.yaw_rad) / way_m, 0.7 / 0.5, 1e-3) << "the same arc";
+  }
+  EXPECT_GT(resting_places(last, {0, 1}).size(), 2U) << "one that turned";
+}
+
+TEST(Traffic, AWayPastASilentRobotKeepsOffWhereItMayHaveStopped) {
+  Traffic traffic({}, Footprint({}));
+  Vehicle mate{"R1", {2, -1.2, 1.57}, {0.5, 0}, {}};
+  mate.lost = true;
+  const Vehicle own{"R2", {1.1, 0, 0}, {0.4, 0}, straight({1.1, 0}, {4, 0})};
+  EXPECT_EQ(traffic.step(Time(), own, {mate}).advice, TrafficAdvice::kYield);
+  mate.twist = {};
+  Traffic other({}, Footprint({}));
+  EXPECT_EQ(other.step(Time(), own, {mate}).advice, TrafficAdvice::kGo);
+}
+
 TEST(Traffic, NobodyTouchesOnRandomWays) {
   std::mt19937 random(11);
   const auto draw = [&] { return 4 * (2 * static_cast<double>(random()) * 0x1p-32 - 1); };

@@ -8,9 +8,7 @@
 
 #include <chrono>
 #include <filesystem>
-#include <fstream>
 #include <map>
-#include <sstream>
 
 #include "common/bus/lcm_bus.h"
 #include "common/bus/typed.h"
@@ -52,11 +50,6 @@ class LiveMission : public testing::Test {
     words.insert(words.end(), arguments.begin(), arguments.end());
     mission_.start(words);
   }
-  std::string said() const {
-    std::stringstream text;
-    text << std::ifstream(out_ / "said").rdbuf();
-    return text.str();
-  }
   bool pairs_flow() const {
     std::error_code none_yet;
     const std::uintmax_t size = fs::file_size(out_ / "live.lcmlog", none_yet);
@@ -92,26 +85,26 @@ class LiveMission : public testing::Test {
 
 TEST_F(LiveMission, CtrlCEndsItInOrderAtAnyMoment) {
   start({});
-  ASSERT_TRUE(wait_until([this] { return pairs_flow(); }, 60s)) << said();
+  ASSERT_TRUE(wait_until([this] { return pairs_flow(); }, 60s)) << mission_.said();
   mission_.interrupt();
-  EXPECT_EQ(mission_.exit_code(60s), 1) << said();
+  EXPECT_EQ(mission_.exit_code(60s), 1) << mission_.said();
   expect_log_of_a_robot_at_rest(8);
   EXPECT_GT(fs::file_size(out_ / "report.html"), 1000U);
-  EXPECT_THAT(said(), HasSubstr("report"));
+  EXPECT_THAT(mission_.said(), HasSubstr("report"));
   EXPECT_FALSE(fs::exists(out_ / "live.lcmlog")) << "the raw log has become mission.lcmlog";
 }
 
 TEST_F(LiveMission, ItsOwnLimitEndsItDisarmed) {
   start({"--sensing", "depth", "--set", "mission.max_time_s=3"});
-  EXPECT_EQ(mission_.exit_code(90s), 1) << said();
+  EXPECT_EQ(mission_.exit_code(90s), 1) << mission_.said();
   expect_log_of_a_robot_at_rest(0);
-  EXPECT_THAT(said(), HasSubstr("max_time_s"));
+  EXPECT_THAT(mission_.said(), HasSubstr("max_time_s"));
 }
 
 TEST_F(LiveMission, WhatCannotRunIsSaidInOneLineBeforeAnythingStarts) {
   start({"--set", "start=9"});
   EXPECT_EQ(mission_.exit_code(60s), 2);
-  EXPECT_THAT(said(), HasSubstr("start 9"));
+  EXPECT_THAT(mission_.said(), HasSubstr("start 9"));
 }
 
 }  // namespace

@@ -11,6 +11,8 @@
 
 #include <chrono>
 #include <filesystem>
+#include <fstream>
+#include <sstream>
 #include <string>
 #include <thread>
 #include <utility>
@@ -48,6 +50,12 @@ class LiveProgram {
     dup2(said, STDERR_FILENO);
     execv(argv[0], argv.data());
     _exit(127);
+  }
+  /// What it has printed so far.
+  [[nodiscard]] std::string said() const {
+    std::stringstream text;
+    text << std::ifstream(said_).rdbuf();
+    return text.str();
   }
   /// At once, if it still runs.
   void end() {

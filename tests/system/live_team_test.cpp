@@ -128,7 +128,7 @@ class LiveTeam : public testing::Test {
 TEST_F(LiveTeam, TwoRobotsExploreUnderOnePlan) {
   // From the outer two of the arena's starts: neither has to wait for the other before it can turn.
   start({"--set", "mission.max_time_s=20", "--set", "start=1"});
-  EXPECT_EQ(mission_.exit_code(170s), 1) << text_of("said");
+  EXPECT_EQ(mission_.exit_code(170s), 1) << mission_.said();
   for (const std::string name : {"R1", "R2"}) {
     const Heard robot = log_of(name);
     EXPECT_THAT(robot.tours_for, testing::Contains(name)) << "a tour came over the link";
@@ -156,19 +156,19 @@ TEST_F(LiveTeam, CtrlCEndsItInOrderAndADeadRobotHoldsNothingUp) {
   ASSERT_TRUE(wait_until(
       [this] { return text_of("launch.log").find("R2/mission_process ended with code 137") != std::string::npos; },
       120s))
-      << text_of("said");
+      << mission_.said();
   mission_.interrupt();
-  EXPECT_EQ(mission_.exit_code(90s), 1) << text_of("said");
+  EXPECT_EQ(mission_.exit_code(90s), 1) << mission_.said();
   expect_at_rest(log_of("R1"));
   EXPECT_GT(log_of("R2").count.at(channels::kTruthPose), 0);
   EXPECT_GT(log_of("centre").count.at(channels::kTeamState), 0);
-  EXPECT_THAT(text_of("said"), HasSubstr("report"));
+  EXPECT_THAT(mission_.said(), HasSubstr("report"));
 }
 
 TEST_F(LiveTeam, MoreRobotsThanStartsIsOneErrorBeforeAnythingStarts) {
   start({}, 4);
   EXPECT_EQ(mission_.exit_code(60s), 2);
-  EXPECT_THAT(text_of("said"), HasSubstr("start 3"));
+  EXPECT_THAT(mission_.said(), HasSubstr("start 3"));
   EXPECT_FALSE(fs::exists(out_ / "launch.log"));
 }
 

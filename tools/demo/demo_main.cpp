@@ -18,13 +18,6 @@ namespace {
 using namespace arpent;
 namespace fs = std::filesystem;
 
-/// Says where the report is; the exit code.
-int conclude(const fs::path& out, bool done, const std::string& log_fault) {
-  std::printf("report           %s\n", fs::absolute(out / "report.html").c_str());
-  if (!log_fault.empty()) std::fprintf(stderr, "demo: %s\n", log_fault.c_str());
-  return done && log_fault.empty() ? 0 : 1;
-}
-
 int show_robot(const tools::MissionSpec& spec, const tools::MissionOptions& options) {
   std::printf("1/2 a robot explores %s\n", spec.name.c_str());
   const tools::MissionResult result = tools::run_mission(spec, options);
@@ -32,7 +25,7 @@ int show_robot(const tools::MissionSpec& spec, const tools::MissionOptions& opti
   const tools::MissionFigures figures = tools::measure(result);
   tools::write_mission_report(options.out, spec, result, figures);
   tools::print(figures, result);
-  return conclude(options.out, result.done(), result.log_fault);
+  return tools::conclude("demo", options.out, result.done(), result.log_fault);
 }
 
 int show_team(const tools::MissionSpec& spec, const tools::MissionOptions& options) {
@@ -42,7 +35,7 @@ int show_team(const tools::MissionSpec& spec, const tools::MissionOptions& optio
   const tools::TeamFigures figures = tools::measure(spec, result);
   tools::write_team_report(options.out, spec, result, figures);
   tools::print(figures);
-  return conclude(options.out, figures.done, result.log_fault);
+  return tools::conclude("demo", options.out, figures.done, result.log_fault);
 }
 
 int run_demo(const fs::path& out, int seed, int robots, const std::string& sensing) {

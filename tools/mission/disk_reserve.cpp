@@ -25,15 +25,13 @@ DiskReserve::DiskReserve(const std::filesystem::path& folder) : file_(folder / "
                                kBytes >> 20, folder.string(), std::strerror(fault)));
 }
 
-void DiskReserve::give_back() noexcept {
+bool DiskReserve::give_back() noexcept {
   std::error_code ignored;
-  std::filesystem::remove(file_, ignored);
+  return std::filesystem::remove(file_, ignored);
 }
 
 void DiskReserve::log_was_refused() {
-  if (said_) return;
-  said_ = true;
-  give_back();
+  if (!give_back()) return;
   std::fprintf(stderr, "\nmission: the disk takes no more: the log ends here, the mission goes on and keeps its map\n");
 }
 

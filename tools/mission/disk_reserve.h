@@ -21,14 +21,13 @@ class DiskReserve {
   DiskReserve(const DiskReserve&) = delete;
   DiskReserve& operator=(const DiskReserve&) = delete;
 
-  /// For what is to be written now.
-  void give_back() noexcept;
+  /// For what is to be written now. False if there was nothing to give back any more.
+  bool give_back() noexcept;
   /// The log was refused: says so, once, and gives the room back.
   void log_was_refused();
 
  private:
   std::filesystem::path file_;
-  bool said_ = false;
 };
 
 }  // namespace arpent::tools

@@ -118,4 +118,10 @@ void print(const MissionFigures& f, const MissionResult& result) {
   if (f.realtime_factor > 0) std::printf("speed            %.2f x real time on one core\n", f.realtime_factor);
 }
 
+int conclude(const char* program, const std::filesystem::path& folder, bool done, const std::string& log_fault) {
+  std::printf("report           %s\n", std::filesystem::absolute(folder / "report.html").c_str());
+  if (!log_fault.empty()) std::fprintf(stderr, "%s: %s\n", program, log_fault.c_str());
+  return done && log_fault.empty() ? 0 : 1;
+}
+
 }  // namespace arpent::tools

@@ -43,5 +43,9 @@ struct MissionFigures {
 void write_mission_report(const std::filesystem::path& folder, const MissionSpec& spec, const MissionResult& result,
                           const MissionFigures& figures);
 void print(const MissionFigures& figures, const MissionResult& result);
+/// Says where the report is, and, as `program`, what the log lacks. The exit code: 0 done, 1 not done or not all on
+/// disk.
+[[nodiscard]] int conclude(const char* program, const std::filesystem::path& folder, bool done,
+                           const std::string& log_fault);
 
 }  // namespace arpent::tools

@@ -51,13 +51,7 @@ void add_options(CLI::App& app, Flags& flags) {
   app.add_option("--out", flags.out, "folder for log, figures and report (default: out/NAME)");
 }
 
-/// Says where the report is, and what the log lacks; 0 done, 1 not done or not all on disk.
-int conclude(const fs::path& out, bool done, const std::string& log_fault) {
-  std::printf("report           %s\n", fs::absolute(out / "report.html").c_str());
-  if (!log_fault.empty()) std::fprintf(stderr, "mission: %s\n", log_fault.c_str());
-  return done && log_fault.empty() ? 0 : 1;
-}
-
+/// The exit code: as conclude() says.
 int run_one(const Flags& flags, int seed, const fs::path& out, int threads, bool progress) {
   MissionOverrides overrides = flags.overrides;
   overrides.seed = seed;
@@ -74,14 +68,14 @@ int run_one(const Flags& flags, int seed, const fs::path& out, int threads, bool
     write_team_report(out, spec, team, team_figures);
     std::printf("seed             %d\n", seed);
     print(team_figures);
-    return conclude(out, team_figures.done, team.log_fault);
+    return conclude("mission", out, team_figures.done, team.log_fault);
   }
   const MissionResult result = run_mission(spec, options);
   const MissionFigures figures = measure(result);
   write_mission_report(out, spec, result, figures);
   std::printf("seed             %d\n", seed);
   print(figures, result);
-  return conclude(out, result.done(), result.log_fault);
+  return conclude("mission", out, result.done(), result.log_fault);
 }
 
 /// Each trial in a process of its own, `jobs` at a time.
